@@ -135,15 +135,21 @@ pub fn run_with(arguments: Vec<OsString>) -> u8 {
     }
 }
 
-/// Runs a command for another program, as [`run_with`] does, and returns the error. Calls do not
-/// overlap: the options for the terminal are those of the process.
+/// Runs a command for another program, as [`run_with`] does, and returns its output, or its error.
+/// Calls do not overlap: the options for the terminal are those of the process.
 ///
 /// # Errors
 ///
 /// Those of the command; wrong arguments are wrong input.
-pub fn call(arguments: Vec<OsString>) -> Result<(), CliError> {
-    let usage = |error: clap::Error| CliError::Input(error.to_string().trim_end().to_owned());
-    start_command(Program::try_parse_from(&arguments).map_err(usage)?, arguments)
+pub fn call(arguments: Vec<OsString>) -> Result<String, CliError> {
+    match Program::try_parse_from(&arguments) {
+        Ok(program) => {
+            let (result, output) = crate::say::keeping(|| start_command(program, arguments));
+            result.map(|()| output)
+        }
+        Err(asked) if asked.exit_code() == 0 => Ok(asked.to_string()),
+        Err(usage) => Err(CliError::Input(usage.to_string().trim_end().to_owned())),
+    }
 }
 
 /// Makes the options those of the process, and runs the command.

@@ -9,9 +9,10 @@ use model_quant::network::checkpoint::Trained;
 use model_quant::network::recipe::{GridMethod, Recipe, TrainingSet};
 use model_quant::quantise::mode::{Mode, Packing, Plan};
 use model_quant::quantise::quantise;
-use model_quant::train::pipeline::train_both;
+use model_quant::train::pipeline::{TrainError, train_both};
 use model_quant::train::sources::Sources;
 use model_quant::train::{Loss, Progress, Source, StateError, Training, Windows};
+use std::ops::ControlFlow;
 
 fn small() -> Recipe {
     Recipe {
@@ -26,10 +27,24 @@ fn small() -> Recipe {
 fn train(threads: usize) -> (Vec<u8>, Vec<f64>) {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
     let mut losses = Vec::new();
-    let mut report = |_, progress: Progress| losses.push(progress.validation_loss);
+    let mut report = |_, progress: Progress| {
+        losses.push(progress.validation_loss);
+        ControlFlow::Continue(())
+    };
     let outcome =
         pool.install(|| train_both(BearingMaterial::Plastic, &small(), None, &mut report)).expect("training");
     (outcome.checkpoint.to_bytes().expect("bytes"), losses)
+}
+
+#[test]
+fn the_receiver_of_the_reports_can_end_a_training() {
+    let mut epochs = 0;
+    let mut report = |_, progress: Progress| {
+        epochs = progress.epoch;
+        if epochs == 2 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    };
+    let ended = train_both(BearingMaterial::Plastic, &small(), None, &mut report);
+    assert!(matches!(ended, Err(TrainError::Ended)) && epochs == 2);
 }
 
 #[test]
@@ -56,7 +71,8 @@ fn another_seed_gives_other_weights() {
     let recipe = |seed| Recipe { seed, epochs: 1, grid_epochs: 0, ..small() };
     let train = |seed| {
         let outcome =
-            train_both(BearingMaterial::Plastic, &recipe(seed), None, &mut |_, _| ()).expect("training");
+            train_both(BearingMaterial::Plastic, &recipe(seed), None, &mut |_, _| ControlFlow::Continue(()))
+                .expect("training");
         outcome.checkpoint.collision.float
     };
     assert_ne!(train(1), train(2));
@@ -140,7 +156,8 @@ fn a_state_of_another_training_is_refused() {
 #[test]
 fn without_improvement_the_free_epochs_end_and_the_best_weights_are_returned() {
     let recipe = Recipe { rows: 512, epochs: 60, patience: Some(2), learning_rate: 0.05, ..small() };
-    let outcome = train_both(BearingMaterial::Plastic, &recipe, None, &mut |_, _| ()).expect("training");
+    let outcome = train_both(BearingMaterial::Plastic, &recipe, None, &mut |_, _| ControlFlow::Continue(()))
+        .expect("training");
     for epochs in &outcome.histories {
         let free: Vec<f64> = epochs.iter().filter(|e| !e.on_grid).map(|e| e.validation_loss).collect();
         assert!((3..60).contains(&free.len()), "{} epochs", free.len());

@@ -82,7 +82,7 @@ pub(crate) fn check() -> Result<Vec<String>, ChoreError> {
         Err(error) => return Ok(vec![format!("Python package: {error}")]),
     };
     let wheel = packed(&folder.join("wheel"))?;
-    environment::install(&python, ["--no-deps".as_ref(), wheel.as_os_str()])?;
+    environment::install(&python, [wheel.as_os_str()])?;
     let module = |name: &str| {
         let mut command = Command::new(&python);
         // Not the folder of the sources, which Python would import first.

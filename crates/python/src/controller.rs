@@ -5,7 +5,7 @@ use crate::error::{input, of_command, work};
 use bench::Bench;
 use bench::description::TransmissionBench;
 use bench::plants::transmission::Transmission;
-use host_sim::controller::{AttachedController, Controller as _, EmulatedController, NativeController};
+use host_sim::controller::{AttachedController, EmulatedController, NativeController};
 use host_sim::controller::{ControllerError, RemoteController};
 use host_sim::device::update::update;
 use host_sim::run::configuration::lockstep_configuration;
@@ -13,9 +13,13 @@ use host_sim::run::{estimates, impacts, sensing};
 use link::track::{SensorChannel, SensorStatus};
 use link::{Answer, Command, ContactSource, EstimateFrame, ImpactRecord};
 use model_quant::exchange::package::Package;
-use numpy::PyArray1;
+use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::{Bound, PyErr, PyResult, Python, pyclass, pymethods};
 use std::path::PathBuf;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// Number of samples between two looks for an interruption.
+const LOOK_SAMPLES: usize = 256;
 
 /// Way to a controller.
 enum Way {
@@ -23,14 +27,22 @@ enum Way {
     Remote(Box<RemoteController>),
 }
 
-/// A controller: the firmware's code in this process, its image in the emulator, or a board on a
-/// serial port.
-#[pyclass(module = "pintle", unsendable)]
-pub(crate) struct Controller {
+/// A controller with the state of its estimation.
+struct Device {
     way: Way,
-    /// Samples estimated since the configuration.
+    /// Number of the next sample.
     sequence: u32,
-    period_s: f64,
+    /// Time between two samples; none without a configuration.
+    period_s: Option<f64>,
+    /// Last good reading of every channel.
+    last: [f64; 4],
+}
+
+/// A controller: the firmware's code in this process, its image in the emulator, or a board on a
+/// serial port. Calls of several threads wait for each other.
+#[pyclass(module = "pintle", frozen)]
+pub(crate) struct Controller {
+    device: Mutex<Device>,
 }
 
 /// Estimates: names with arrays, flags, and the ended impacts as CSV.
@@ -61,19 +73,26 @@ impl Controller {
         Ok(Self::new(Way::Remote(Box::new(AttachedController::open(&port).map_err(failed)?))))
     }
 
-    /// Sends a signed package of networks, and returns the bytes that were sent. The controller
-    /// refuses it while it estimates.
-    fn update(&mut self, package: &[u8]) -> PyResult<u32> {
-        let Way::Remote(remote) = &mut self.way else {
-            return Err(input("update: found the native controller; expected an emulated or attached one"));
-        };
+    /// Sends a signed package of networks, and returns the bytes that were sent.
+    fn update(&self, py: Python<'_>, package: &[u8]) -> PyResult<u32> {
         let package =
             Package::parse(package).map_err(|error| input(format!("not a model package: {error}")))?;
-        Ok(update(&mut **remote, &package, |_| {}).map_err(work)?.sent_bytes)
+        py.detach(|| {
+            let mut device = self.device();
+            if device.period_s.is_some() {
+                return Err(input("update: found a controller that estimates; expected `stop` before"));
+            }
+            match &mut device.way {
+                Way::Native(_) => {
+                    Err(input("update: found the native controller; expected an emulated or attached one"))
+                }
+                Way::Remote(remote) => Ok(update(&mut **remote, &package, |_| {}).map_err(work)?.sent_bytes),
+            }
+        })
     }
 
     /// Configures the controller for a description, with the time between two samples in s.
-    fn configure(&mut self, description: &str, period_s: f64, contact: &str) -> PyResult<()> {
+    fn configure(&self, py: Python<'_>, description: &str, period_s: f64, contact: &str) -> PyResult<()> {
         let bench = Bench::parse("description", description).map_err(input)?;
         let bench = TransmissionBench::from_bench(bench.resolved(), "description").map_err(input)?;
         let contact = match contact {
@@ -84,71 +103,83 @@ impl Controller {
         let plant = Transmission::new(&bench, bench.drive_profile(), bench.load_profile());
         let configuration =
             lockstep_configuration(&plant, &bench, 1.0 / period_s, contact).map_err(of_command)?;
-        self.controller().order(Command::Configure(configuration)).map_err(failed)?;
-        (self.sequence, self.period_s) = (0, period_s);
-        Ok(())
+        py.detach(|| {
+            let mut device = self.device();
+            device.controller().order(Command::Configure(configuration)).map_err(failed)?;
+            (device.sequence, device.period_s, device.last) = (0, Some(period_s), [0.0; 4]);
+            Ok(())
+        })
     }
 
-    /// Estimates samples: journal along y and z in m, shaft angle in rad, load in N. A reading that
-    /// is not finite is missing. Returns the estimates and the impacts that have ended.
+    /// Estimates samples: journal along y and z in m, shaft angle in rad, load in N. `numbers`
+    /// count them from 0 in ascending order; the controller notices a gap. A reading that is not
+    /// finite is missing. Returns the estimates and the impacts that have ended.
+    #[allow(clippy::too_many_arguments)]
     fn estimate<'py>(
-        &mut self,
+        &self,
         py: Python<'py>,
+        numbers: PyReadonlyArray1<'_, u32>,
         journal_y_m: Numbers<'_>,
         journal_z_m: Numbers<'_>,
         shaft_angle_rad: Numbers<'_>,
         load_force_n: Numbers<'_>,
     ) -> PyResult<Estimates<'py>> {
-        if self.period_s == 0.0 {
-            return Err(input(
-                "estimate: found a controller without a configuration; expected `configure` first",
-            ));
-        }
         let [y, z, angle, load] = columns([
             ("journal_y_m", &journal_y_m),
             ("journal_z_m", &journal_z_m),
             ("shaft_angle_rad", &shaft_angle_rad),
             ("load_force_n", &load_force_n),
         ])?;
-        let rows: Vec<[f64; 4]> =
-            y.iter().zip(&z).zip(&angle).zip(&load).map(|(((y, z), a), l)| [*y, *z, *a, *l]).collect();
-        let (found, ended) = self.exchange(&rows).map_err(failed)?;
+        let rows = numbers.as_array().to_vec().into_iter().zip(y).zip(z).zip(angle).zip(load);
+        let rows: Vec<Row> = rows.map(|((((n, y), z), a), l)| (n, [y, z, a, l])).collect();
+        let (mut found, mut ended) = (Vec::with_capacity(rows.len()), Vec::new());
+        let start = self.device().sequence;
+        for part in rows.chunks(LOOK_SAMPLES) {
+            py.check_signals()?;
+            py.detach(|| self.device().exchange(start, part, &mut found, &mut ended))?;
+        }
         let column =
             |(name, value): estimates::Column| (name, PyArray1::from_iter(py, found.iter().map(value)));
         let flags = PyArray1::from_iter(py, found.iter().map(|estimate| estimate.flags));
         Ok((estimates::COLUMNS.into_iter().map(column).collect(), flags, impacts::to_csv(&ended)))
     }
 
-    /// Ends the estimation and returns the controller's counters as JSON.
-    fn stop(&mut self) -> PyResult<String> {
-        let answer = self.controller().order(Command::Stop).map_err(failed)?;
-        self.period_s = 0.0;
-        match answer {
-            Answer::Stopped(counters) => serde_json::to_string(&counters).map_err(work),
-            other => Err(work(format!("unexpected answer {other:?}; expected the counters"))),
-        }
-    }
-
-    /// Impacts that ended since they were last asked for, as CSV.
-    fn take_impacts(&mut self) -> String {
-        impacts::to_csv(&self.controller().take_impacts())
+    /// Ends the estimation. Returns the controller's counters as JSON, and the impact that was open
+    /// as CSV.
+    fn stop(&self, py: Python<'_>) -> PyResult<(String, String)> {
+        py.detach(|| {
+            let mut device = self.device();
+            let answer = device.controller().order(Command::Stop).map_err(failed)?;
+            device.period_s = None;
+            let ended = impacts::to_csv(&device.controller().take_impacts());
+            match answer {
+                Answer::Stopped(counters) => Ok((serde_json::to_string(&counters).map_err(work)?, ended)),
+                other => Err(work(format!("unexpected answer {other:?}; expected the counters"))),
+            }
+        })
     }
 
     /// `native`, `emulated` or `attached`.
     #[getter]
     fn name(&self) -> &'static str {
-        match &self.way {
-            Way::Native(controller) => controller.name(),
-            Way::Remote(controller) => controller.name(),
-        }
+        self.device().controller().name()
     }
 }
 
 impl Controller {
     fn new(way: Way) -> Self {
-        Self { way, sequence: 0, period_s: 0.0 }
+        Self { device: Mutex::new(Device { way, sequence: 0, period_s: None, last: [0.0; 4] }) }
     }
 
+    fn device(&self) -> MutexGuard<'_, Device> {
+        self.device.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Number of a sample, and its readings.
+type Row = (u32, [f64; 4]);
+
+impl Device {
     fn controller(&mut self) -> &mut dyn host_sim::controller::Controller {
         match &mut self.way {
             Way::Native(controller) => &mut **controller,
@@ -160,23 +191,31 @@ impl Controller {
     /// channel, and the status marks it.
     fn exchange(
         &mut self,
-        rows: &[[f64; 4]],
-    ) -> Result<(Vec<EstimateFrame>, Vec<ImpactRecord>), ControllerError> {
-        let (mut found, mut ended, mut last) = (Vec::with_capacity(rows.len()), Vec::new(), [0.0; 4]);
-        for row in rows {
+        start: u32,
+        rows: &[Row],
+        found: &mut Vec<EstimateFrame>,
+        ended: &mut Vec<ImpactRecord>,
+    ) -> PyResult<()> {
+        let Some(period_s) = self.period_s else {
+            let text = "estimate: found a controller without a configuration; expected `configure` first";
+            return Err(input(text));
+        };
+        for (number, readings) in rows {
             let mut status = SensorStatus::GOOD;
-            for ((channel, reading), last) in SensorChannel::ALL.into_iter().zip(row).zip(&mut last) {
+            for ((channel, reading), last) in SensorChannel::ALL.into_iter().zip(readings).zip(&mut self.last)
+            {
                 if reading.is_finite() {
                     *last = *reading;
                 } else {
                     status = status.missing(channel);
                 }
             }
-            let frame = sensing::frame(self.sequence, f64::from(self.sequence) * self.period_s, last);
-            found.push(self.controller().sample(&frame, status)?);
-            self.sequence = self.sequence.wrapping_add(1);
+            let sequence = start.wrapping_add(*number);
+            let frame = sensing::frame(sequence, f64::from(sequence) * period_s, self.last);
+            found.push(self.controller().sample(&frame, status).map_err(failed)?);
+            self.sequence = sequence.wrapping_add(1);
             ended.extend(self.controller().take_impacts());
         }
-        Ok((found, ended))
+        Ok(())
     }
 }

@@ -7,8 +7,7 @@ use bench::plants::transmission::{ContactView, Transmission};
 use bench::{Bench, PRESETS};
 use contact::catalogue::{self, Group};
 use numpy::PyArray1;
-use pyo3::types::PyAnyMethods;
-use pyo3::types::PyBool;
+use pyo3::types::{PyAnyMethods, PyBool, PyDict, PyDictMethods};
 use pyo3::{Bound, PyAny, PyResult, Python, pyfunction};
 use toml::{Table, Value};
 
@@ -51,7 +50,8 @@ fn complete(bench: &Bench) -> PyResult<(String, String)> {
 }
 
 /// Changes entries of a description, named by their path with dots: `bearing.radial_clearance_m`.
-/// An entry of a list is named by its `name`, or by its number from 1. Checks the result.
+/// An entry of a list is named by its `name`, or by its number from 1. None removes an entry.
+/// Checks the result.
 #[pyfunction]
 pub(crate) fn change_description(
     text: &str,
@@ -59,7 +59,6 @@ pub(crate) fn change_description(
 ) -> PyResult<(String, String)> {
     let mut table: Table = text.parse().map_err(|error: toml::de::Error| input(error))?;
     for (path, value) in changes {
-        let value = value_of(&path, &value)?;
         let (parent, key) = path.rsplit_once('.').map_or((None, path.as_str()), |(p, k)| (Some(p), k));
         let parent = match parent {
             None => &mut table,
@@ -67,7 +66,11 @@ pub(crate) fn change_description(
                 names.split('.').try_fold(&mut table, |table, name| descend(&path, table, name))?
             }
         };
-        parent.insert(key.to_owned(), value);
+        if value.is_none() {
+            parent.remove(key);
+        } else {
+            parent.insert(key.to_owned(), value_of(&path, &value)?);
+        }
     }
     let changed = toml::to_string(&table).map_err(input)?;
     let bench = Bench::parse("changed description", &changed).map_err(input)?;
@@ -97,7 +100,7 @@ fn descend<'t>(path: &str, table: &'t mut Table, name: &str) -> PyResult<&'t mut
     }
 }
 
-/// Converts a truth value, number or text.
+/// Converts a truth value, a number, a text, or a list or table of them.
 fn value_of(path: &str, value: &Bound<'_, PyAny>) -> PyResult<Value> {
     if value.is_instance_of::<PyBool>() {
         return Ok(Value::Boolean(value.extract()?));
@@ -108,8 +111,23 @@ fn value_of(path: &str, value: &Bound<'_, PyAny>) -> PyResult<Value> {
     if let Ok(number) = value.extract::<f64>() {
         return Ok(Value::Float(number));
     }
-    let text = value.extract::<String>();
-    text.map(Value::String).map_err(|_| input(format!("{path}: expected a truth value, number or text")))
+    if let Ok(text) = value.extract::<String>() {
+        return Ok(Value::String(text));
+    }
+    if let Ok(table) = value.cast::<PyDict>() {
+        let entry = |(key, value): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {
+            Ok((key.extract::<String>()?, value_of(path, &value)?))
+        };
+        return Ok(Value::Table(table.iter().map(entry).collect::<PyResult<Table>>()?));
+    }
+    if let Ok(entries) = value.extract::<Vec<Bound<'_, PyAny>>>() {
+        let entries = entries.iter().map(|entry| value_of(path, entry));
+        return Ok(Value::Array(entries.collect::<PyResult<_>>()?));
+    }
+    Err(input(format!(
+        "{path}: found {}; expected a number, text, truth value, list or table",
+        value.get_type()
+    )))
 }
 
 /// Arrays of normal and friction force.
@@ -117,7 +135,8 @@ type Forces<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
 
 /// Evaluates the contact and friction law of a transmission bench's description. Deformation in m,
 /// its rate, the approach speed latched at onset and the sliding speed in m/s; returns the normal
-/// and the friction force in N. A friction law with a state is taken in its steady state.
+/// and the friction force in N, NaN for a state that is not finite. A friction law with a state is
+/// taken in its steady state.
 #[pyfunction]
 pub(crate) fn contact_forces<'py>(
     py: Python<'py>,
@@ -139,6 +158,9 @@ pub(crate) fn contact_forces<'py>(
     let rows = deformation.iter().zip(&rate).zip(&approach).zip(&sliding);
     let (normal, friction): (Vec<f64>, Vec<f64>) = rows
         .map(|(((deformation_m, rate_m_s), latched_m_s), sliding_speed_m_s)| {
+            if ![deformation_m, rate_m_s, latched_m_s, sliding_speed_m_s].iter().all(|v| v.is_finite()) {
+                return (f64::NAN, f64::NAN);
+            }
             let forces = plant.law(&ContactView {
                 radial_clearance_m: plant.radial_clearance_m(),
                 deformation_m: *deformation_m,

@@ -25,7 +25,7 @@ mod native {
     #[pymodule_export]
     use crate::error::{InputError, WorkError};
     #[pymodule_export]
-    use crate::logs::{read_log, write_log};
+    use crate::logs::{channels, read_channels, read_log, write_log};
     #[pymodule_export]
     use crate::networks::Networks;
     #[pymodule_export]

@@ -3,6 +3,7 @@
 use crate::arrays::Numbers;
 use crate::error::{input, work};
 use bench::log::{RawColumn, RawLog};
+use bench::{Bench, Channel, MeasuredLog};
 use numpy::PyArray1;
 use pyo3::{Bound, PyResult, Python, pyfunction};
 use std::path::PathBuf;
@@ -19,6 +20,28 @@ pub(crate) fn read_log(py: Python<'_>, path: PathBuf) -> PyResult<(&'static str,
         (name, column.unit, column.group, PyArray1::from_vec(py, column.values))
     };
     Ok((log.file_format, log.columns.into_iter().map(column).collect()))
+}
+
+/// Reads the time and the channels of a log as a description names them, in SI units; missing
+/// readings are NaN.
+#[pyfunction]
+pub(crate) fn read_channels<'py>(
+    py: Python<'py>,
+    path: PathBuf,
+    description: &str,
+) -> PyResult<Vec<(&'static str, Bound<'py, PyArray1<f64>>)>> {
+    let bench = Bench::parse("description", description).map_err(input)?;
+    let log = py.detach(|| MeasuredLog::read_as_found(&path, &bench.log_format())).map_err(input)?;
+    let time = ("t_s", PyArray1::from_vec(py, log.time_s));
+    let channels = log.channels.into_iter();
+    let channels = channels.map(|(channel, values)| (channel.name(), PyArray1::from_vec(py, values)));
+    Ok(std::iter::once(time).chain(channels).collect())
+}
+
+/// Names of the channels with their units.
+#[pyfunction]
+pub(crate) fn channels() -> Vec<(&'static str, &'static str)> {
+    Channel::ALL.iter().map(|channel| (channel.name(), channel.unit())).collect()
 }
 
 /// Writes columns with names and units: Parquet to `.parquet`, a MAT-file to `.mat`, else CSV.

@@ -68,7 +68,7 @@ impl Networks {
 
     /// Evaluates both networks: clearance and deformation in m, rate, approach and sliding speed in
     /// m/s. The rows are consecutive samples if `is_series`; else each stands for itself, after a
-    /// history of the same state.
+    /// history of the same state. A state that is not finite has no force and is outside.
     #[allow(clippy::too_many_arguments)]
     fn forces<'py>(
         &self,
@@ -99,6 +99,12 @@ impl Networks {
                 approach_speed_m_s: *approach as f32,
                 sliding_speed_m_s: *sliding as f32,
             };
+            if !state.is_finite() {
+                normal.push(f64::NAN);
+                friction.push(f64::NAN);
+                outside.push(true);
+                continue;
+            }
             let mut found = pair.push(&state);
             for _ in 1..repetitions {
                 found = pair.push(&state);

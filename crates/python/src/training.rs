@@ -15,9 +15,11 @@ use model_quant::train::history;
 use model_quant::train::pipeline::train_both;
 use pyo3::types::PyBytes;
 use pyo3::{Bound, Py, PyAny, PyResult, Python, pyfunction};
+use std::ops::ControlFlow;
 
-/// Trains both networks of a bearing material. `report` gets the network's name and the epoch after
-/// every epoch. Returns the checkpoint and its history as JSON.
+/// Trains both networks of a bearing material. `report` gets the network's name and the epoch
+/// after every epoch; its error, like control-C, ends the training. Returns the checkpoint and its
+/// history as JSON.
 #[pyfunction]
 pub(crate) fn train<'py>(
     py: Python<'py>,
@@ -34,14 +36,24 @@ pub(crate) fn train<'py>(
         recipe.instruction_set = InstructionSet::Portable;
     }
     recipe.check().map_err(input)?;
-    let outcome = py.detach(|| {
-        train_both(material, &recipe, None, &mut |network: NetworkKind, progress: Progress| {
-            if let Some(report) = &report {
-                // An error of the receiver does not end the training.
-                let _ = Python::attach(|py| report.call1(py, (network.name(), progress.epoch)));
+    let mut ended = None;
+    let mut inform = |network: NetworkKind, progress: Progress| {
+        let outcome = Python::attach(|py| {
+            py.check_signals()?;
+            report.as_ref().map_or(Ok(()), |r| r.call1(py, (network.name(), progress.epoch)).map(drop))
+        });
+        match outcome {
+            Ok(()) => ControlFlow::Continue(()),
+            Err(error) => {
+                ended = Some(error);
+                ControlFlow::Break(())
             }
-        })
-    });
+        }
+    };
+    let outcome = py.detach(|| train_both(material, &recipe, None, &mut inform));
+    if let Some(error) = ended {
+        return Err(error);
+    }
     let outcome = outcome.map_err(work)?;
     let bytes = outcome.checkpoint.to_bytes().map_err(work)?;
     let history = history::file(&outcome, Checkpoint::training_id(&bytes));

@@ -1,8 +1,13 @@
 """Tests of the installed package."""
 
 import json
+import os
+import pickle
+import signal
 import subprocess
 import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -25,8 +30,8 @@ def log(bench):
 
 
 def without_times(figures):
-    gone = ("wall_s", "wall_s_per_simulated_s", "provenance")
-    return {name: value for name, value in figures.items() if name not in gone and name != "estimator"}
+    gone = ("wall_s", "wall_s_per_simulated_s", "provenance", "estimator")
+    return {name: value for name, value in figures.items() if name not in gone}
 
 
 def test_the_programs_run_and_state_their_exit_code():
@@ -48,7 +53,7 @@ def test_a_run_has_the_figures_and_files_of_the_program(bench, tmp_path):
         assert run.text(name) == (tmp_path / name).read_text(), name
     largest_n = run.figures["peak_contact_force_n"]
     assert run.estimates["normal_force_n"].max() == pytest.approx(largest_n, rel=0.03)
-    assert run.figures["provenance"]["command"].startswith("host-sim run --bench")
+    assert run.figures["provenance"]["command"].startswith("host-sim run ")
     other = pintle.Bench("friction-rig").check(pintle.Bench("friction-rig").record())
     assert other.figures["provenance"]["command"].startswith("host-sim check")
     assert run.report.startswith("<!doctype html>") or "<html" in run.report
@@ -76,6 +81,11 @@ def test_the_laws_keep_the_shape_of_their_arguments(bench):
     assert scalar.shape == ()
     with pytest.raises(ValueError):
         bench.contact_forces([1e-5, 2e-5], sliding_m_s=[0.0, 0.1, 0.2])
+    missing = np.ma.masked_array([2e-5, 2e-5, np.nan, np.inf], mask=[False, True, False, False])
+    normal_n, _ = bench.contact_forces(missing)
+    assert normal_n[0] > 0 and np.isnan(normal_n[1:]).all()
+    with pytest.raises(pintle.InputError, match="transmission-bench"):
+        pintle.Bench("friction-rig").contact_forces(2e-5)
 
 
 def test_a_changed_description_is_checked_and_leaves_the_old_one(bench):
@@ -94,6 +104,11 @@ def test_a_changed_description_is_checked_and_leaves_the_old_one(bench):
     assert lighter.text == four_bar.replace({"body[2].mass_kg": 0.5}).text != four_bar.text
     with pytest.raises(pintle.InputError, match="no entry `absent`"):
         four_bar.replace({"body[absent].mass_kg": 1})
+    biased = bench.with_effect("sensor-gain", channel="shaft_angle_rad", relative_change=np.float32(0.5))
+    assert biased != bench and biased.replace({"effects": None}) == bench
+    assert pickle.loads(pickle.dumps(biased)) == biased
+    with pytest.raises(pintle.InputError, match="not a known effect"):
+        bench.with_effect("gremlins")
 
 
 def test_a_wrong_description_names_every_flaw():
@@ -110,8 +125,18 @@ def test_a_log_survives_every_format(log, tmp_path):
         pintle.write_log(log, tmp_path / name)
         again = pintle.read_log(tmp_path / name)
         pd.testing.assert_frame_equal(again, log, check_exact=True)
-    with pytest.raises(pintle.InputError, match="name: found"):
-        pintle.write_log(pd.DataFrame({"t_s": [0.0, 1.0], "name": ["a", "b"]}), tmp_path / "x.csv")
+    def refused(frame, match, name="x.csv"):
+        with pytest.raises(pintle.InputError, match=match):
+            pintle.write_log(frame, tmp_path / name)
+        assert not (tmp_path / name).exists()
+
+    refused(pd.DataFrame({"t_s": [0.0, 1.0], "name": ["1", "2"]}), "name: found")
+    refused(pd.DataFrame({"t_s": pd.to_datetime([0, 1])}), "t_s: found datetime64.*seconds")
+    refused(pd.DataFrame({"z": [1j, 2.0]}), "z: found complex")
+    refused(log.set_index(["t_s", "journal_y_m"]), "several levels")
+    refused(pd.concat([log, log["t_s"]], axis=1), "two columns")
+    refused(log, "ends in .csv", "x.xlsx")
+    refused(log["t_s"], "found Series")
     with pytest.raises(pintle.InputError, match="no group"):
         pintle.read_log(tmp_path / "log.csv", group="other")
 
@@ -127,6 +152,27 @@ def test_an_estimate_is_that_of_the_program(bench, log, tmp_path):
     impacts = pd.read_csv(tmp_path / "replay" / "estimated_impacts.csv")
     assert list(estimates.impacts["onset_s"]) == list(impacts["onset_s"])
     assert estimates.counters["samples"] == len(log)
+    again = bench.estimate(tmp_path / "log.parquet")
+    pd.testing.assert_frame_equal(again.samples, estimates.samples)
+
+
+def test_a_missing_row_and_a_wrong_unit_are_noticed(bench, log):
+    whole, holes = bench.estimate(log), bench.estimate(log.drop(index=range(100, 600)))
+    assert (whole.counters["sequence_gaps"], len(holes.samples)) == (0, len(log) - 500)
+    assert holes.counters["sequence_gaps"] > 0
+    wrong = log.copy()
+    wrong.attrs = {"units": {"journal_y_m": "mm"}}
+    for work in (bench.estimate, bench.evaluate, bench.check):
+        with pytest.raises(pintle.InputError, match="journal_y_m: found the unit mm; expected m"):
+            work(wrong)
+    columns = '[columns]\njournal_y_m = { from = "y", scale = 1e-3 }\n'
+    named = pintle.Bench.from_text(bench.text + columns)
+    foreign = log.assign(y=1e3 * log["journal_y_m"], remark="text").drop(columns="journal_y_m")
+    found = named.estimate(foreign).samples["normal_force_n"]
+    assert np.abs(found - whole.samples["normal_force_n"]).max() < 10
+    twice = pd.concat([log.iloc[:50], log.iloc[49:]], ignore_index=True)
+    with pytest.raises(pintle.InputError, match="rows 50 and 51 in one period"):
+        bench.estimate(twice)
 
 
 def test_samples_may_come_in_parts_and_with_gaps(bench, log):
@@ -134,7 +180,8 @@ def test_samples_may_come_in_parts_and_with_gaps(bench, log):
     controller = pintle.Controller.native()
     with pytest.raises(pintle.InputError, match="without a configuration"):
         controller.estimate(log)
-    controller.configure(bench, period_s=1 / 1000 if len(log) < 2000 else 1e-4)
+    period_s = round(log["t_s"].diff().median(), 6)
+    controller.configure(bench, period_s=period_s)
     parts = pd.concat([controller.estimate(log.iloc[:100]), controller.estimate(log.iloc[100:])])
     assert (parts["force_y_n"].to_numpy() == whole["force_y_n"].to_numpy()).all()
     assert controller.stop()["samples"] == len(log)
@@ -143,24 +190,27 @@ def test_samples_may_come_in_parts_and_with_gaps(bench, log):
     held = bench.estimate(gaps).samples
     assert np.isfinite(held["normal_force_n"]).all()
     assert held["force_sd_n"].iloc[515] > whole["force_sd_n"].iloc[515]
+    controller.configure(bench, period_s=period_s)
+    parts = pd.concat([controller.estimate(gaps.iloc[:510]), controller.estimate(gaps.iloc[510:])])
+    assert (parts["force_y_n"].to_numpy() == held["force_y_n"].to_numpy()).all()
     with pytest.raises(pintle.InputError, match="found no column load_force_n"):
         bench.estimate(log.drop(columns="load_force_n"))
 
 
 def test_a_diagnosis_names_an_effect_and_improves_the_bench():
     rig = pintle.Bench("friction-rig")
-    effect = '[[effects]]\nname = "viscous-asymmetry"\nasymmetry_effort = 60.0\n'
-    worn = pintle.Bench.from_text(rig.text + effect)
+    worn = rig.with_effect("viscous-asymmetry", asymmetry_effort=60.0)
     logs = [worn.record(seed=seed) for seed in (1, 2, 3)]
     diagnosis = rig.diagnose(logs[0], held_out=[logs[1]])
     assert diagnosis.verdict == "named" and list(diagnosis.causes["effect"]) == ["viscous-asymmetry"]
     (cause,) = diagnosis.causes.itertuples()
     assert cause.low < 60 < cause.high and cause.unit in repr(diagnosis)
-    table = diagnosis.improve(rig, logs[2])
+    table = diagnosis.gain_on(rig, logs[2])
     assert (table["rms_after"] < table["rms_before"]).any()
     assert diagnosis.extended.plant == rig.plant
     assert rig.diagnose(rig.record(seed=4)).verdict == "none"
     inspection = rig.check(logs[0])
+    assert set(inspection.findings["log"]) == {"log 1"}
     assert len(inspection.channels) > 0 and len(inspection.parameters) > 0
 
 
@@ -173,7 +223,9 @@ def test_networks_follow_the_law_and_mark_what_they_never_saw(bench):
     assert np.abs(friction_n - law_friction_n).max() < 0.05 * np.abs(law_friction_n).max()
     assert not outside.any()
     assert networks.forces(1e-3)[2]
-    assert pintle.Networks(networks.image).material == "babbitt"
+    normal_n, _, outside = networks.forces([np.nan, 1e300, 2e-5], sliding_m_s=[0, 0, np.inf])
+    assert np.isnan(normal_n).all() and outside.all()
+    assert pickle.loads(pickle.dumps(networks)).material == "babbitt"
     with pytest.raises(pintle.InputError, match="model image"):
         pintle.Networks(networks.image[:-1])
     with pytest.raises(pintle.InputError, match="expected one of `babbitt`, `plastic`"):
@@ -196,6 +248,12 @@ def test_a_training_repeats_and_becomes_a_package():
         pintle.Controller.native().update(package)
     with pytest.raises(pintle.InputError, match="rows: found 1"):
         pintle.train(rows=1)
+
+    def impatient(network, epoch):
+        raise KeyError(epoch)
+
+    with pytest.raises(KeyError, match="1"):
+        pintle.train(rows=2048, epochs=2, grid_epochs=1, report=impatient)
     with pytest.raises(pintle.InputError, match="board: found `toaster`"):
         pintle.package([networks], version=1, board="toaster")
 
@@ -205,6 +263,57 @@ def test_an_error_of_a_command_is_an_exception(bench, tmp_path):
         bench.run(force="magic")
     with pytest.raises(pintle.InputError, match="--dropout-share: found 2"):
         bench.run(dropout_share=2)
+    with pytest.raises(pintle.InputError, match="^bench: found plant `friction-rig`"):
+        pintle.Bench("friction-rig").run()
+    with pytest.raises(pintle.InputError, match="out: found the option"):
+        bench.run(out=tmp_path)
+    with pytest.raises(pintle.InputError, match="logs: found none"):
+        bench.evaluate()
+    with pytest.raises(pintle.InputError, match="-1"):
+        bench.run(seed=-1)
+    with pytest.raises(KeyError, match="estimates.csv: this result has"):
+        bench.run(force="law", controller="none").estimates
     (tmp_path / "file").write_text("")
     with pytest.raises(pintle.WorkError, match="expected a folder"):
         pintle.command("run", out=tmp_path / "file" / "below")
+
+
+def test_a_command_returns_its_result_and_leaves_standard_output_alone(capfd):
+    found = pintle.command("laws", json=True)
+    assert [law["name"] for law in found["laws"]] == list(pintle.laws()["name"])
+    assert pintle.command("laws") == ""
+    assert "Usage: host-sim" in pintle.command("--help")
+    assert capfd.readouterr().out == ""
+    with pytest.raises(pintle.InputError, match="expected a command"):
+        pintle.command()
+
+
+def test_control_c_ends_the_wait_for_a_command():
+    script = (
+        "import pintle, tempfile; print('ready', flush=True)\n"
+        "pintle.command('claims', runs=100000, out=tempfile.mkdtemp())"
+    )
+    child = subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    assert child.stdout.readline() == b"ready\n"
+    time.sleep(1)
+    child.send_signal(signal.SIGINT)
+    _, errors = child.communicate(timeout=60)
+    assert b"KeyboardInterrupt" in errors and child.returncode != 0
+
+
+def test_threads_wait_for_each_other_and_a_forked_process_is_refused(bench):
+    controller = pintle.Controller.native()
+    with ThreadPoolExecutor(2) as pool:
+        assert list(pool.map(lambda _: pintle.command("laws"), range(4))) == [""] * 4
+        pool.submit(controller.configure, bench).result()
+    assert controller.stop()["samples"] == 0
+    read, write = os.pipe()
+    child = os.fork()
+    if child == 0:
+        try:
+            pintle.command("laws")
+        except pintle.InputError as error:
+            os.write(write, str(error).encode())
+        os._exit(0)
+    os.waitpid(child, 0)
+    assert b"spawn" in os.read(read, 1000)

@@ -20,6 +20,7 @@ use crate::network::shipped::shipped_checkpoint;
 use crate::train::history;
 use crate::train::pipeline::{Outcome, StateFiles, train_both};
 use serde_json::json;
+use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
 pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
@@ -46,6 +47,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
     let started = Instant::now();
     let outcome = train_both(arguments.bearing, &recipe, states.as_ref(), &mut |network, progress| {
         epoch_bar.add(network, &progress);
+        ControlFlow::Continue(())
     })?;
     epoch_bar.bar.finish_and_clear();
     let seconds = started.elapsed().as_secs_f64();

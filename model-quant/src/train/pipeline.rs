@@ -7,6 +7,7 @@ use crate::network::recipe::Recipe;
 use crate::train::sources::Sources;
 use crate::train::{Loss, Progress, StateError, Training};
 use inference::BearingMaterial;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -51,6 +52,9 @@ pub enum TrainError {
     /// A state file could not be written.
     #[error("{0}")]
     Write(#[from] WriteError),
+    /// The receiver of the reports ended the training.
+    #[error("training: ended before its last epoch")]
+    Ended,
     /// The state could not be encoded.
     #[error("training state: {0}")]
     Json(#[from] serde_json::Error),
@@ -74,16 +78,17 @@ fn read_state(path: &Path) -> Result<Option<Vec<u8>>, TrainError> {
 }
 
 /// Trains both networks. `report` is called after every epoch and for the epochs of a resumed
-/// state.
+/// state; `Break` ends the training.
 ///
 /// # Errors
 ///
-/// State files cannot be read, belong to another training, or cannot be written.
+/// State files cannot be read, belong to another training, or cannot be written; `report` ended the
+/// training.
 pub fn train_both(
     bearing: BearingMaterial,
     recipe: &Recipe,
     states: Option<&StateFiles>,
-    report: &mut dyn FnMut(NetworkKind, Progress),
+    report: &mut dyn FnMut(NetworkKind, Progress) -> ControlFlow<()>,
 ) -> Result<Outcome, TrainError> {
     let sources = Sources::new(bearing, recipe);
     let mut one = |network: NetworkKind| -> Result<(Trained, Vec<Progress>), TrainError> {
@@ -96,7 +101,9 @@ pub fn train_both(
                 training.resume_from(&bytes).map_err(|source| TrainError::State { path, source })?;
             }
         }
-        training.history().iter().for_each(|progress| report(network, *progress));
+        if training.history().iter().any(|progress| report(network, *progress).is_break()) {
+            return Err(TrainError::Ended);
+        }
         let mut saved_at = Instant::now();
         while !training.is_done() {
             let progress = training.epoch();
@@ -106,7 +113,9 @@ pub fn train_both(
                 write_atomically(&states.file(bearing, network), &training.to_bytes()?)?;
                 saved_at = Instant::now();
             }
-            report(network, progress);
+            if report(network, progress).is_break() {
+                return Err(TrainError::Ended);
+            }
         }
         Ok((training.finish(), training.history().to_vec()))
     };

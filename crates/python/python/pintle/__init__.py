@@ -5,6 +5,8 @@ diagnosis of measured logs, and the training of the networks. Quantities are in 
 tables have the unit in their name or in ``frame.attrs["units"]``.
 """
 
+from importlib.metadata import version
+
 from pintle._native import InputError, WorkError
 from pintle.bench import Bench, Run, laws, presets
 from pintle.commands import command
@@ -12,6 +14,8 @@ from pintle.controller import Controller, Estimates
 from pintle.diagnosis import Diagnosis, Evaluation, Inspection
 from pintle.logs import read_log, write_log
 from pintle.networks import Checkpoint, Networks, package, train
+
+__version__ = version("pintle")
 
 __all__ = [
     "Bench",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 import tempfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -13,10 +14,15 @@ import numpy.typing as npt
 import pandas as pd
 
 from pintle import _native
-from pintle.commands import Results, collect, command
+from pintle.commands import Results, collect, command, renamed_errors
 from pintle.controller import Controller, Estimates
 from pintle.diagnosis import Diagnosis, Evaluation, Inspection
 from pintle.logs import Log, as_files, read_log
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
 
 
 def presets() -> list[str]:
@@ -89,16 +95,31 @@ class Bench:
     def __repr__(self) -> str:
         return f"<Bench with plant {self._plant}>"
 
-    def replace(self, changes: Mapping[str, bool | float | str]) -> Bench:
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Bench) and self._text == other._text
+
+    def __hash__(self) -> int:
+        return hash(self._text)
+
+    def replace(self, changes: Mapping[str, Any]) -> Bench:
         """Returns the description with other entries.
 
         A key is the path of an entry with dots: ``{"bearing.radial_clearance_m": 1e-3}``. An entry
-        of a list is in brackets, by its ``name`` or its number from 1: ``body[crank].mass_kg``.
+        of a list is in brackets, by its ``name`` or its number from 1: ``body[crank].mass_kg``. A
+        value is a number, text, truth value, list or dict; ``None`` removes the entry.
         """
         bench = Bench.__new__(Bench)
         plain = [(path, _plain(value)) for path, value in changes.items()]
         bench._text, bench._plant = _native.change_description(self._text, plain)
         return bench
+
+    def with_effect(self, name: str, **parameters: float | str) -> Bench:
+        """Returns the description with one more effect: ``with_effect("drive-lag", lag_s=1e-3)``.
+
+        ``docs/effects.md`` has the effects with their parameters.
+        """
+        effects = tomllib.loads(self._text).get("effects", [])
+        return self.replace({"effects": [*effects, {"name": name, **parameters}]})
 
     def contact_forces(
         self,
@@ -114,7 +135,10 @@ class Bench:
             rate_m_s: Its rate.
             approach_m_s: Approach speed at the onset of the contact.
             sliding_m_s: Sliding speed; friction has the opposite sign. A law with a state is in its
-                steady state.
+                steady state. A state that is not finite has no force (NaN).
+
+        Raises:
+            InputError: The plant is not ``transmission-bench``.
         """
         shape, state = flattened(deformation_m, rate_m_s, approach_m_s, sliding_m_s)
         normal_n, friction_n = _native.contact_forces(self._text, *state)
@@ -145,43 +169,47 @@ class Bench:
                 ``dropout_share=0.01``.
         """
         options |= {"force": force, "controller": controller, "contact": contact, "seed": seed}
-        return Run(collect("run", description=self._text, step_us=step_us, elf=elf, **options))
+        return Run(*collect("run", description=self._text, step_us=step_us, elf=elf, **options))
 
     def record(self, seed: int = 1, **options: Any) -> pd.DataFrame:
         """Simulates a log as the bench's sensors would record it.
 
-        ``options`` are those of ``host-sim record``, such as ``cycles=5``.
+        ``options`` are those of ``host-sim record``, such as ``cycles=5``. A mechanism needs
+        ``[[measured]]``; the slider-crank has no log.
         """
         with tempfile.TemporaryDirectory(prefix="pintle-") as folder:
             bench, log = Path(folder) / "bench.toml", Path(folder) / "log.parquet"
             bench.write_text(self._text, encoding="utf-8")
-            command("record", bench=bench, seed=seed, out=log, **options)
+            with renamed_errors({str(bench): "bench"}):
+                command("record", bench=bench, seed=seed, out=log, **options)
             return read_log(log)
 
     def estimate(
-        self, log: pd.DataFrame, *, contact: str = "network", controller: Controller | None = None
+        self, log: Log, *, contact: str = "network", controller: Controller | None = None
     ) -> Estimates:
         """Estimates the contact of a log with the controller's code.
 
         Args:
-            log: Columns ``t_s`` (or an index of that name), ``journal_y_m``, ``journal_z_m``,
-                ``shaft_angle_rad`` and ``load_force_n`` at one interval of 50 us to 1 ms, rounded
-                to microseconds. A missing reading is marked for the controller.
+            log: Time, ``journal_y_m``, ``journal_z_m``, ``shaft_angle_rad`` and ``load_force_n`` at
+                one interval of 50 us to 1 ms, rounded to microseconds. A missing reading is marked
+                for the controller, which notices a missing row.
             contact: ``network`` or ``law``.
             controller: A controller; by default the code in this process.
         """
         controller = Controller.native() if controller is None else controller
-        return controller.estimate_log(self._text, log, contact)
+        with as_files([log], self._text) as ([path], names), renamed_errors(names):
+            channels = dict(_native.read_channels(str(path), self._text))
+        return controller.estimate_log(self._text, channels, contact)
 
     def check(self, *logs: Log) -> Inspection:
         """Judges logs before a diagnosis: quality, units, parameters that they do not show."""
-        with as_files(logs) as paths:
-            return Inspection(collect("check", *paths, description=self._text))
+        with as_files(logs, self._text) as (paths, names):
+            return Inspection(*collect("check", *paths, description=self._text, names=names))
 
     def evaluate(self, *logs: Log) -> Evaluation:
         """Simulates the bench under the inputs of logs and compares; fits nothing."""
-        with as_files(logs) as paths:
-            return Evaluation(collect("evaluate", *paths, description=self._text))
+        with as_files(logs, self._text) as (paths, names):
+            return Evaluation(*collect("evaluate", *paths, description=self._text, names=names))
 
     def diagnose(self, *logs: Log, held_out: Sequence[Log] = ()) -> Diagnosis:
         """Finds what the simulation gets wrong in logs, names the cause and measures the gain.
@@ -190,18 +218,29 @@ class Bench:
             logs: Logs of this bench, with the columns that its description names.
             held_out: Logs on which nothing is fitted; without them a part of each log is held out.
         """
-        with as_files(logs) as paths, as_files(held_out) as kept:
-            files = collect("diagnose", *paths, description=self._text, held_out=kept or None)
+        with as_files([*logs, *held_out], self._text) as (paths, names):
+            given, kept = paths[: len(logs)], paths[len(logs) :]
+            files, names = collect(
+                "diagnose", *given, description=self._text, names=names, held_out=kept or None
+            )
         extended = files.get("extended-bench.toml")
-        return Diagnosis(files, Bench.from_text(extended.decode()) if extended else None)
+        return Diagnosis(files, names, Bench.from_text(extended.decode()) if extended else None)
 
 
 def _plain(value: Any) -> Any:
-    """Converts a number of numpy."""
+    """Converts numbers of numpy."""
+    if isinstance(value, Mapping):
+        return {str(key): _plain(entry) for key, entry in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(entry) for entry in value]
     return value.item() if isinstance(value, np.generic) else value
 
 
 def flattened(*arrays: npt.ArrayLike) -> tuple[tuple[int, ...], list[npt.NDArray[np.float64]]]:
-    """Returns the common shape of arrays, and each in that shape as one dimension."""
-    common = np.broadcast_arrays(*(np.asarray(array, dtype=np.float64) for array in arrays))
+    """Returns the common shape of arrays, and each in that shape as one dimension.
+
+    Masked elements are NaN.
+    """
+    plain = (np.ma.filled(np.ma.asarray(array, dtype=np.float64), np.nan) for array in arrays)
+    common = np.broadcast_arrays(*plain)
     return common[0].shape, [np.ascontiguousarray(array).reshape(-1) for array in common]

@@ -2,46 +2,58 @@
 
 from __future__ import annotations
 
+import contextlib
 import html
 import io
-import json
 import tempfile
+from collections.abc import Iterator
+from json import loads
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from pintle import _native
+from pintle._native import InputError, WorkError
 
 REPORT = "report.html"
 
 
-def command(*words: str | Path, **options: Any) -> None:
+def command(*words: str | Path, json: bool = False, **options: Any) -> Any:
     """Runs a command of ``host-sim``: ``command("sweep", "clearance", out="out/sweep")``.
 
-    A keyword is an option: ``dropout_share=0.01`` is ``--dropout-share 0.01``. ``True`` stands for
-    an option without a value, ``None`` and ``False`` leave it out, a list gives several values. One
-    command runs at a time.
+    A keyword is an option: ``dropout_share=0.01`` is ``--dropout-share=0.01``. ``True`` stands for
+    an option without a value, ``None`` and ``False`` leave it out, a list gives several values.
+
+    Args:
+        words: The command and its arguments.
+        json: Return the result as Python objects; else the text of the command, mostly empty.
+        options: Options of the command.
 
     Raises:
         InputError: An argument or a file is wrong.
         WorkError: The work failed.
     """
-    _native.call_host_sim([*(str(word) for word in words), *_options(options)])
+    if not words:
+        raise InputError("command: found no word; expected a command of host-sim")
+    written = [str(word) for word in words] + _options(options)
+    if "verbose" not in options and not written[0].startswith("-"):
+        written.append("--quiet")
+    output = _native.call_host_sim(written + (["--json"] if json else []))
+    return loads(output) if json else output
 
 
 def _options(options: dict[str, Any]) -> list[str]:
     words: list[str] = []
     for name, value in options.items():
         option = "--" + name.replace("_", "-")
-        if value is None or value is False:
-            continue
-        if value is True:
-            words.append(option)
+        if value is None or isinstance(value, (bool, np.bool_)):
+            words += [option] if value else []
         elif isinstance(value, (list, tuple)):
             words += [option, *(str(entry) for entry in value)]
         else:
-            words += [option, str(value)]
+            words.append(f"{option}={value}")
     return words
 
 
@@ -61,9 +73,12 @@ class Results:
     #: File with the figures.
     JSON = ""
 
-    def __init__(self, files: dict[str, bytes]) -> None:
+    def __init__(self, files: dict[str, bytes], names: dict[str, str]) -> None:
         self._files = files
-        self.figures: dict[str, Any] = json.loads(files[self.JSON])
+        text = files[self.JSON].decode()
+        #: Figures by name. The origin names temporary files, the other figures name logs by number.
+        self.figures: dict[str, Any] = loads(_renamed(text, names))
+        self.figures["provenance"] = loads(text)["provenance"]
 
     @property
     def files(self) -> list[str]:
@@ -71,7 +86,13 @@ class Results:
         return sorted(self._files)
 
     def text(self, name: str) -> str:
-        """Content of a file."""
+        """Content of a file.
+
+        Raises:
+            KeyError: The result has no such file; a run without controller has no estimates.
+        """
+        if name not in self._files:
+            raise KeyError(f"{name}: this result has {', '.join(self.files)}")
         return self._files[name].decode()
 
     def table(self, name: str) -> pd.DataFrame:
@@ -100,12 +121,35 @@ class Results:
         )
 
 
-def collect(*words: str | Path, description: str, **options: Any) -> dict[str, bytes]:
-    """Runs a command on a description, and returns the files that it writes."""
-    with tempfile.TemporaryDirectory(prefix="pintle-") as name:
-        folder = Path(name)
-        bench = folder / "bench.toml"
+def collect(
+    *words: str | Path, description: str, names: dict[str, str] | None = None, **options: Any
+) -> tuple[dict[str, bytes], dict[str, str]]:
+    """Runs a command on a description. Returns the files that it writes, and names for paths.
+
+    ``names`` are those of the logs' files.
+    """
+    for name in ("bench", "json", "out", "quiet", "verbose"):
+        if name in options:
+            raise InputError(f"{name}: found the option; expected none, as results stay in memory")
+    with tempfile.TemporaryDirectory(prefix="pintle-") as folder:
+        bench, written = Path(folder) / "bench.toml", Path(folder) / "result"
         bench.write_text(description, encoding="utf-8")
-        written = folder / "result"
-        command(*words, bench=bench, out=written, **options)
-        return {path.name: path.read_bytes() for path in sorted(written.iterdir())}
+        names = {**(names or {}), str(bench): "bench"}
+        with renamed_errors(names):
+            command(*words, bench=bench, out=written, **options)
+        return {path.name: path.read_bytes() for path in sorted(written.iterdir())}, names
+
+
+@contextlib.contextmanager
+def renamed_errors(names: dict[str, str]) -> Iterator[None]:
+    """Replaces the paths of temporary files in messages."""
+    try:
+        yield
+    except (InputError, WorkError) as error:
+        raise type(error)(_renamed(str(error), names)) from None
+
+
+def _renamed(text: str, names: dict[str, str]) -> str:
+    for path, name in names.items():
+        text = text.replace(path, name)
+    return text

@@ -8,11 +8,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import numpy.typing as npt
 import pandas as pd
 
 from pintle import _native
 from pintle._native import InputError
 from pintle.commands import read_csv
+from pintle.logs import check_units, numbers
 
 if TYPE_CHECKING:
     from pintle.bench import Bench
@@ -51,7 +53,11 @@ class Controller:
 
     @classmethod
     def emulated(cls, elf: str | Path | None = None) -> Controller:
-        """The firmware's image in the emulator; by default the one that the workspace built."""
+        """The firmware's image in the emulator.
+
+        The default is what ``cargo xtask firmware`` built below ``CARGO_TARGET_DIR``, or below
+        ``target`` in the current folder.
+        """
         return cls(_native.Controller.emulated(None if elf is None else str(elf)))
 
     @classmethod
@@ -66,7 +72,7 @@ class Controller:
         """Sends a signed package of networks and returns the number of bytes sent.
 
         Raises:
-            InputError: The package is none, or the controller is the native one.
+            InputError: The package is none, the controller is the native one, or it estimates.
             WorkError: The controller refuses the package.
         """
         return self._controller.update(package)
@@ -76,45 +82,56 @@ class Controller:
         self._controller.configure(bench.text, period_s, contact)
 
     def estimate(self, samples: pd.DataFrame) -> pd.DataFrame:
-        """Estimates the next samples; columns as for ``Bench.estimate``, without time."""
-        return self._estimate(samples)[0]
-
-    def stop(self) -> dict[str, Any]:
-        """Ends the estimation and returns the controller's counters."""
-        counters: dict[str, Any] = json.loads(self._controller.stop())
-        return counters
-
-    def estimate_log(self, description: str, log: pd.DataFrame, contact: str) -> Estimates:
-        """Estimates a complete log."""
-        time_s = _time(log)
-        self._controller.configure(description, _period(time_s), contact)
-        samples, ended = self._estimate(log)
-        counters = self.stop()
-        samples.index = pd.Index(time_s, name="t_s")
-        tables = [read_csv(text) for text in (ended, self._controller.take_impacts())]
-        filled = [table for table in tables if len(table)] or tables[:1]
-        return Estimates(samples, pd.concat(filled, ignore_index=True), counters)
-
-    def _estimate(self, samples: pd.DataFrame) -> tuple[pd.DataFrame, str]:
+        """Estimates the next samples: channels of ``CHANNELS`` as columns, one row a period."""
         missing = [name for name in CHANNELS if name not in samples.columns]
         if missing:
             raise InputError(f"log: found no column {', '.join(missing)}; expected {', '.join(CHANNELS)}")
-        arrays = (samples[name].to_numpy(dtype=np.float64) for name in CHANNELS)
-        contiguous = (np.ascontiguousarray(array) for array in arrays)
-        columns, flags, ended = self._controller.estimate(*contiguous)
-        return pd.DataFrame({**dict(columns), "flags": flags}, index=samples.index), ended
+        check_units(samples)
+        channels = {name: numbers(samples[name], name) for name in CHANNELS}
+        count = np.arange(len(samples), dtype=np.uint32)
+        return pd.DataFrame(self._estimate(count, channels)[0], index=samples.index)
+
+    def stop(self) -> dict[str, Any]:
+        """Ends the estimation and returns the controller's counters."""
+        counters: dict[str, Any] = json.loads(self._controller.stop()[0])
+        return counters
+
+    def estimate_log(
+        self, description: str, channels: dict[str, npt.NDArray[np.float64]], contact: str
+    ) -> Estimates:
+        """Estimates a complete log, given by its channels and ``t_s``."""
+        missing = [name for name in CHANNELS if name not in channels]
+        if missing:
+            raise InputError(f"log: found no column {', '.join(missing)}; expected {', '.join(CHANNELS)}")
+        time_s = channels["t_s"]
+        period_s, count = _numbers(time_s)
+        self._controller.configure(description, period_s, contact)
+        columns, ended = self._estimate(count, channels)
+        counters, open_ended = self._controller.stop()
+        tables = [read_csv(text) for text in (ended, open_ended)]
+        filled = [table for table in tables if len(table)] or tables[:1]
+        samples = pd.DataFrame(columns, index=pd.Index(time_s, name="t_s"))
+        return Estimates(samples, pd.concat(filled, ignore_index=True), json.loads(counters))
+
+    def _estimate(
+        self, count: npt.NDArray[np.uint32], channels: dict[str, npt.NDArray[np.float64]]
+    ) -> tuple[dict[str, npt.NDArray[Any]], str]:
+        columns, flags, ended = self._controller.estimate(count, *(channels[name] for name in CHANNELS))
+        return {**dict(columns), "flags": flags}, ended
 
 
-def _time(log: pd.DataFrame) -> np.ndarray:
-    if "t_s" in log.columns:
-        return log["t_s"].to_numpy(dtype=np.float64)
-    if log.index.name == "t_s":
-        return log.index.to_numpy(dtype=np.float64)
-    raise InputError("log: found neither a column nor an index `t_s`; expected the time in s")
-
-
-def _period(time_s: np.ndarray) -> float:
-    """Median interval in s, rounded to microseconds."""
-    if len(time_s) < 2:
-        raise InputError(f"log: found {len(time_s)} samples; expected at least 2")
-    return round(float(np.median(np.diff(time_s))) * 1e6) * 1e-6
+def _numbers(time_s: npt.NDArray[np.float64]) -> tuple[float, npt.NDArray[np.uint32]]:
+    """Median interval in s, rounded to microseconds, and the number of each sample."""
+    if len(time_s) < 2 or not np.isfinite(time_s).all():
+        found = "times that are not finite" if len(time_s) > 1 else f"{len(time_s)} samples"
+        raise InputError(f"log: found {found}; expected at least 2 samples with times")
+    period_s = round(float(np.median(np.diff(time_s))) * 1e6) * 1e-6
+    if period_s <= 0:
+        raise InputError("log: found times that do not ascend; expected one sample a period")
+    count = np.round((time_s - time_s[0]) / period_s)
+    same = np.flatnonzero(np.diff(count) < 1)
+    if len(same):
+        raise InputError(
+            f"log: found rows {same[0] + 1} and {same[0] + 2} in one period of {period_s:g} s; expected one"
+        )
+    return period_s, count.astype(np.uint32)

@@ -50,8 +50,10 @@ class Diagnosis(Results):
 
     JSON = "diagnosis.json"
 
-    def __init__(self, files: dict[str, bytes], extended: Bench | None) -> None:
-        super().__init__(files)
+    def __init__(
+        self, files: dict[str, bytes], names: dict[str, str], extended: Bench | None
+    ) -> None:
+        super().__init__(files, names)
         #: Description with calibrated parameters and the causes as effects; none without a cause
         #: and without a calibration.
         self.extended = extended
@@ -85,8 +87,8 @@ class Diagnosis(Results):
         """Error before and after the extension, by channel."""
         return pd.DataFrame(self.figures["gain"])
 
-    def improve(self, bench: Bench, *logs: Log) -> pd.DataFrame:
-        """Compares the bench before and after on logs that the diagnosis did not see.
+    def gain_on(self, bench: Bench, *logs: Log) -> pd.DataFrame:
+        """Compares the bench before and after on logs that the diagnosis did not see; fits nothing.
 
         Returns the rms error of each channel with the description as it was and as extended, and
         the noise. Without an extension both are the same.

@@ -36,6 +36,9 @@ class Networks:
         """Reads a model image."""
         return cls(Path(path).read_bytes())
 
+    def __reduce__(self) -> tuple[type[Networks], tuple[bytes]]:
+        return Networks, (self.image,)
+
     @property
     def image(self) -> bytes:
         """Model image."""
@@ -62,6 +65,8 @@ class Networks:
         series: bool = False,
     ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], npt.NDArray[np.bool_]]:
         """Normal and friction force in N, and whether a state is outside the training range.
+
+        A state that is not finite has no force (NaN) and is outside.
 
         Arguments as for ``Bench.contact_forces``. With ``series`` the elements are consecutive
         samples; else each stands for itself, after a history of the same state.
@@ -117,7 +122,8 @@ def train(
         epochs: Epochs with free weights.
         grid_epochs: Epochs in which the weights move to the 8-bit grid.
         seed: Seed of every random draw.
-        report: Called with the name of the network and the epoch after every epoch.
+        report: Called with the name of the network and the epoch after every epoch; its
+            exception ends the training.
     """
     data, history = _native.train(material, rows, epochs, grid_epochs, seed, report)
     return Checkpoint(data, pd.DataFrame(json.loads(history)["epochs"]))
