@@ -165,6 +165,9 @@ def test_a_missing_row_and_a_wrong_unit_are_noticed(bench, log):
     for work in (bench.estimate, bench.evaluate, bench.check):
         with pytest.raises(pintle.InputError, match="journal_y_m: found the unit mm; expected m"):
             work(wrong)
+    dated = log.set_index(pd.DatetimeIndex(pd.to_datetime(log["t_s"], unit="s"), name="t_s"))
+    with pytest.raises(pintle.InputError, match="t_s: found datetime64.*seconds since the start"):
+        bench.evaluate(dated.drop(columns="t_s"))
     columns = '[columns]\njournal_y_m = { from = "y", scale = 1e-3 }\n'
     named = pintle.Bench.from_text(bench.text + columns)
     foreign = log.assign(y=1e3 * log["journal_y_m"], remark="text").drop(columns="journal_y_m")

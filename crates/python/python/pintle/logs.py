@@ -58,9 +58,6 @@ def write_log(frame: pd.DataFrame, path: str | Path) -> None:
     if Path(path).suffix.lower() not in ENDINGS:
         raise InputError(f"{path}: expected a file that ends in {', '.join(ENDINGS)}")
     frame = with_index(frame)
-    if not frame.columns.is_unique:
-        twice = frame.columns[frame.columns.duplicated()][0]
-        raise InputError(f"{twice}: found two columns of this name; expected one")
     units = frame.attrs.get("units", {})
     columns = [
         (str(name), str(units.get(name, "")), numbers(frame[name], str(name)))
@@ -75,9 +72,17 @@ def with_index(frame: pd.DataFrame) -> pd.DataFrame:
         raise InputError(f"log: found {type(frame).__name__}; expected a data frame")
     if isinstance(frame.index, pd.MultiIndex):
         raise InputError("log: found an index of several levels; expected one, or columns")
+    if not frame.columns.is_unique:
+        twice = frame.columns[frame.columns.duplicated()][0]
+        raise InputError(f"{twice}: found two columns of this name; expected one")
     if frame.index.name is None or frame.index.name in frame.columns:
         return frame
     return frame.reset_index()
+
+
+def _is_text(column: pd.Series[Any]) -> bool:
+    is_category = isinstance(column.dtype, pd.CategoricalDtype)
+    return is_category or pd.api.types.is_string_dtype(column) or column.dtype == object
 
 
 def numbers(column: pd.Series[Any], name: str) -> npt.NDArray[np.float64]:
@@ -110,7 +115,7 @@ def _plain(unit: str) -> str:
 def as_files(logs: Sequence[Log], description: str) -> Iterator[tuple[list[Path], dict[str, str]]]:
     """Gives logs as files, with names for the temporary ones.
 
-    A frame gets a file for the time of the context, with its columns of numbers. Its units count
+    A frame gets a file for the time of the context, without its columns of texts. Its units count
     unless the description has ``[columns]``.
     """
     if not logs:
@@ -125,7 +130,7 @@ def as_files(logs: Sequence[Log], description: str) -> Iterator[tuple[list[Path]
             frame = with_index(log)
             if "[columns" not in description:
                 check_units(frame)
-            write_log(frame.select_dtypes("number"), path)
+            write_log(frame.drop(columns=[name for name in frame if _is_text(frame[name])]), path)
             paths.append(path)
             names[str(path)] = f"log {number}"
         yield paths, names
