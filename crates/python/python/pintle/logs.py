@@ -7,7 +7,7 @@ import os
 import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -17,7 +17,7 @@ from pintle import _native
 from pintle._native import InputError
 
 #: A log: a frame, or the path of a file in a format that ``read_log`` reads.
-Log = pd.DataFrame | str | Path
+Log: TypeAlias = pd.DataFrame | str | Path
 
 #: Endings of the files that are written.
 ENDINGS = (".csv", ".txt", ".parquet", ".mat")
