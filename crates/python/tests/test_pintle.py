@@ -293,14 +293,20 @@ def test_a_command_returns_its_result_and_leaves_standard_output_alone(capfd):
 
 def test_control_c_ends_the_wait_for_a_command():
     script = (
-        "import pintle, tempfile; print('ready', flush=True)\n"
+        "import pintle, signal, tempfile\n"
+        # A program that was started in the background ignores it.
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
+        "print('ready', flush=True)\n"
         "pintle.command('claims', runs=100000, out=tempfile.mkdtemp())"
     )
     child = subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     assert child.stdout.readline() == b"ready\n"
     time.sleep(1)
     child.send_signal(signal.SIGINT)
-    _, errors = child.communicate(timeout=60)
+    try:
+        _, errors = child.communicate(timeout=60)
+    finally:
+        child.kill()
     assert b"KeyboardInterrupt" in errors and child.returncode != 0
 
 
