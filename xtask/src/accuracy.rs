@@ -28,8 +28,7 @@ const GOAL_PERCENT: f64 = 0.6;
 struct Case {
     world: String,
     set: String,
-    #[serde(skip_serializing)]
-    #[serde(default)]
+    #[serde(default, skip_serializing)]
     estimator: String,
     bearing: String,
     clearance_mm: f64,

@@ -7,11 +7,15 @@ use crate::c_library;
 use crate::compile::host;
 use crate::firmware::Firmware;
 use crate::fmu;
-use crate::run::{ChoreError, cargo, copy, output_of, root, run, succeeds, target_folder, write_atomically};
+use crate::run::{
+    ChoreError, cargo, copy, of_file, output_of, root, run, succeeds, target_folder, write_atomically,
+};
 use controller::boards::BOARDS;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+/// Expectation about every file of the archive.
+const COPIED: &str = "a file that can be read and copied";
 /// Programs of the archive, each a package of the same name.
 const PROGRAMS: [&str; 2] = ["host-sim", "model-quant"];
 /// Files and folders of the workspace that are copied beside the programs' documents.
@@ -30,7 +34,7 @@ pub(crate) fn archive() -> Result<PathBuf, ChoreError> {
     let folder = target_folder().join("archive");
     let tree = folder.join(&name);
     if tree.exists() {
-        std::fs::remove_dir_all(&tree).map_err(failed(&tree))?;
+        std::fs::remove_dir_all(&tree).map_err(of_file(&tree, COPIED))?;
     }
     let built = programs(&folder.join("build"))?;
     for (program, path) in PROGRAMS.iter().zip(&built) {
@@ -97,7 +101,7 @@ fn check_programs(folder: &Path) -> Result<(), ChoreError> {
     for program in PROGRAMS {
         let path = folder.join(program);
         run(Command::new(&path).arg("--version").current_dir(std::env::temp_dir()))?;
-        let bytes = std::fs::read(&path).map_err(failed(&path))?;
+        let bytes = std::fs::read(&path).map_err(of_file(&path, COPIED))?;
         if bytes.windows(source.len()).any(|window| window == source.as_bytes()) {
             return Err(ChoreError::File {
                 file: path,
@@ -127,17 +131,8 @@ fn pack(folder: &Path, name: &str) -> Result<PathBuf, ChoreError> {
     Ok(folder.join(packed))
 }
 
-fn failed(path: &Path) -> impl Fn(std::io::Error) -> ChoreError {
-    let file = path.to_owned();
-    move |error| ChoreError::File {
-        file: file.clone(),
-        found: error.to_string(),
-        expected: "a file that can be read and copied",
-    }
-}
-
 fn create_parent(file: &Path) -> Result<(), ChoreError> {
-    file.parent().map_or(Ok(()), |parent| std::fs::create_dir_all(parent).map_err(failed(parent)))
+    file.parent().map_or(Ok(()), |parent| std::fs::create_dir_all(parent).map_err(of_file(parent, COPIED)))
 }
 
 /// Copies a file, or a folder with everything in it.
@@ -145,8 +140,8 @@ fn copy_tree(from: &Path, to: &Path) -> Result<(), ChoreError> {
     if !from.is_dir() {
         return copy(from, to);
     }
-    for entry in std::fs::read_dir(from).map_err(failed(from))? {
-        let name = entry.map_err(failed(from))?.file_name();
+    for entry in std::fs::read_dir(from).map_err(of_file(from, COPIED))? {
+        let name = entry.map_err(of_file(from, COPIED))?.file_name();
         copy_tree(&from.join(&name), &to.join(&name))?;
     }
     Ok(())

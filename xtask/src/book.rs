@@ -1,11 +1,13 @@
 //! The documentation site: the pages of `docs`, built with mdBook, and a check that the site needs
 //! no network and contains no broken link.
 
-use crate::run::{ChoreError, output_of, root, run, succeeds, target_folder};
+use crate::run::{ChoreError, of_file, output_of, root, run, succeeds, target_folder};
 use regex_lite::Regex;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+/// Expectation about every file of the site.
+const READABLE: &str = "a readable file";
 /// Version of mdBook with which the site was looked at.
 const VERSION: &str = "0.5.4";
 
@@ -17,12 +19,13 @@ pub(crate) fn book() -> Result<PathBuf, ChoreError> {
     if !found.trim().ends_with(VERSION) {
         eprintln!("found {}; the site was tried with {VERSION}: {install}", found.trim());
     }
-    let site = std::path::absolute(target_folder().join("book")).map_err(unreadable(Path::new("book")))?;
+    let site =
+        std::path::absolute(target_folder().join("book")).map_err(of_file(Path::new("book"), READABLE))?;
     run(Command::new("mdbook").current_dir(root()).args(["build", "docs", "--dest-dir"]).arg(&site))?;
     let mut faults = vec![];
     let pages = files(&site)?;
     for page in pages.iter().filter(|path| path.extension().is_some_and(|e| e == "html" || e == "css")) {
-        let text = std::fs::read_to_string(page).map_err(unreadable(page))?;
+        let text = std::fs::read_to_string(page).map_err(of_file(page, READABLE))?;
         let name = page.strip_prefix(&site).unwrap_or(page).display();
         faults.extend(loaded_from_outside(&text).into_iter().map(|found| format!("{name} loads {found}")));
         let is_missing = |target: &String| !page.with_file_name(target).exists();
@@ -65,21 +68,12 @@ fn captures(pattern: Result<Regex, regex_lite::Error>, text: &str) -> Vec<String
 /// Files below a folder.
 fn files(folder: &Path) -> Result<Vec<PathBuf>, ChoreError> {
     let mut found = vec![];
-    for entry in std::fs::read_dir(folder).map_err(unreadable(folder))? {
-        let path = entry.map_err(unreadable(folder))?.path();
+    for entry in std::fs::read_dir(folder).map_err(of_file(folder, READABLE))? {
+        let path = entry.map_err(of_file(folder, READABLE))?.path();
         if path.is_dir() { found.extend(files(&path)?) } else { found.push(path) }
     }
     found.sort();
     Ok(found)
-}
-
-fn unreadable(path: &Path) -> impl Fn(std::io::Error) -> ChoreError {
-    let file = path.to_owned();
-    move |error| ChoreError::File {
-        file: file.clone(),
-        found: error.to_string(),
-        expected: "a readable file",
-    }
 }
 
 #[cfg(test)]

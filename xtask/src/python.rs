@@ -1,11 +1,13 @@
 //! Python package: its wheel, and the check of a wheel in a fresh virtual environment.
 
 use crate::environment;
-use crate::run::{ChoreError, copy, output_of, root, run, target_folder};
+use crate::run::{ChoreError, copy, of_file, output_of, root, run, target_folder};
 use crate::workspace;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+/// Expectation about the folders of the package.
+const READABLE: &str = "a folder that can be read";
 /// Library that cargo builds, below the folder of the profile.
 const LIBRARY: &str = "deps/libpintle_native.so";
 
@@ -48,7 +50,7 @@ fn packed(folder: &Path) -> Result<PathBuf, ChoreError> {
     metadata.current_dir(package()).args(["-m", "maturin", "pep517", "write-dist-info"]);
     output_of(metadata.arg("--interpreter").arg(&builder).arg("--metadata-directory").arg(&tree))?;
     let sources = package().join("python/pintle");
-    let found = std::fs::read_dir(&sources).map_err(unreadable(&sources))?;
+    let found = std::fs::read_dir(&sources).map_err(of_file(&sources, READABLE))?;
     for source in found.flatten().map(|entry| entry.path()).filter(|path| path.is_file()) {
         copy(&source, &tree.join("pintle").join(source.file_name().unwrap_or_default()))?;
     }
@@ -59,7 +61,7 @@ fn packed(folder: &Path) -> Result<PathBuf, ChoreError> {
 
 /// The only wheel in a folder.
 fn wheel_in(folder: &Path) -> Result<PathBuf, ChoreError> {
-    let found = std::fs::read_dir(folder).map_err(unreadable(folder))?;
+    let found = std::fs::read_dir(folder).map_err(of_file(folder, READABLE))?;
     let is_wheel = |path: &PathBuf| path.extension().is_some_and(|ending| ending == "whl");
     let wheels: Vec<PathBuf> = found.flatten().map(|entry| entry.path()).filter(is_wheel).collect();
     match <[PathBuf; 1]>::try_from(wheels) {
@@ -95,13 +97,4 @@ pub(crate) fn check() -> Result<Vec<String>, ChoreError> {
     let mut notebooks = Command::new(&python);
     run(notebooks.arg(tests.join("notebooks.py")).arg(root().join("examples/notebooks")))?;
     Ok(Vec::new())
-}
-
-fn unreadable(path: &Path) -> impl Fn(std::io::Error) -> ChoreError {
-    let file = path.to_owned();
-    move |error| ChoreError::File {
-        file: file.clone(),
-        found: error.to_string(),
-        expected: "a folder that can be read",
-    }
 }

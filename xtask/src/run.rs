@@ -74,7 +74,8 @@ pub(crate) fn cargo() -> Command {
     command
 }
 
-fn line(command: &Command) -> String {
+/// Returns a command line for reports.
+pub(crate) fn line(command: &Command) -> String {
     let program = Path::new(command.get_program()).file_name().unwrap_or(command.get_program());
     std::iter::once(program)
         .chain(command.get_args())
@@ -83,7 +84,8 @@ fn line(command: &Command) -> String {
         .join(" ")
 }
 
-fn not_started(command: &Command) -> impl Fn(std::io::Error) -> ChoreError {
+/// Returns a conversion of the error with which a program did not start.
+pub(crate) fn not_started(command: &Command) -> impl Fn(std::io::Error) -> ChoreError + use<> {
     let program = command.get_program().to_string_lossy().into_owned();
     move |source| ChoreError::NotStarted { program: program.clone(), source }
 }
@@ -164,19 +166,23 @@ pub(crate) fn output_with_timeout(command: &mut Command, timeout: Duration) -> R
 /// Writes a file atomically: under another name, then renamed.
 pub(crate) fn write_atomically(file: PathBuf, content: impl AsRef<[u8]>) -> Result<(), ChoreError> {
     let temporary = file.with_extension("new");
-    std::fs::write(&temporary, content).and_then(|()| std::fs::rename(&temporary, &file)).map_err(|error| {
-        ChoreError::File { file, found: error.to_string(), expected: "a file that can be written" }
-    })
+    let written = std::fs::write(&temporary, content).and_then(|()| std::fs::rename(&temporary, &file));
+    written.map_err(of_file(&file, "a file that can be written"))
+}
+
+/// Returns a conversion of the operating system's errors about a file or folder.
+pub(crate) fn of_file(path: &Path, expected: &'static str) -> impl Fn(std::io::Error) -> ChoreError + use<> {
+    let file = path.to_owned();
+    move |error| ChoreError::File { file: file.clone(), found: error.to_string(), expected }
 }
 
 /// Copies a file and creates the folders of the copy.
 pub(crate) fn copy(from: &Path, to: &Path) -> Result<(), ChoreError> {
     let folder = to.parent().map_or(Ok(()), std::fs::create_dir_all);
-    folder.and_then(|()| std::fs::copy(from, to)).map(drop).map_err(|error| ChoreError::File {
-        file: from.to_owned(),
-        found: error.to_string(),
-        expected: "a file that can be copied",
-    })
+    folder
+        .and_then(|()| std::fs::copy(from, to))
+        .map(drop)
+        .map_err(of_file(from, "a file that can be copied"))
 }
 
 /// Runs a program and returns its standard output.

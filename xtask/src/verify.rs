@@ -1,7 +1,7 @@
 //! `model-quant verify` with the emulated core as one of the runtimes.
 
 use crate::cores::COUNTED;
-use crate::run::{ChoreError, run, target_folder};
+use crate::run::{ChoreError, of_file, run, target_folder};
 use crate::workspace;
 use inference::shipped;
 
@@ -37,10 +37,6 @@ pub(crate) fn verify() -> Result<(), ChoreError> {
         bytes.extend(sums.iter().flat_map(|sum| sum.to_le_bytes()));
     }
     let file = target_folder().join("on-target/sums.bin");
-    std::fs::write(&file, bytes).map_err(|error| ChoreError::File {
-        file: file.clone(),
-        found: error.to_string(),
-        expected: "a file that can be written",
-    })?;
+    std::fs::write(&file, bytes).map_err(of_file(&file, "a file that can be written"))?;
     run(workspace::program("model-quant")?.args(["verify", "--emulated"]).arg(&file))
 }

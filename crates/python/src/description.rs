@@ -5,7 +5,6 @@ use crate::error::input;
 use bench::description::TransmissionBench;
 use bench::plants::transmission::{ContactView, Transmission};
 use bench::{Bench, PRESETS};
-use contact::catalogue::{self, Group};
 use numpy::PyArray1;
 use pyo3::types::{PyAnyMethods, PyBool, PyDict, PyDictMethods};
 use pyo3::{Bound, PyAny, PyResult, Python, pyfunction};
@@ -15,21 +14,6 @@ use toml::{Table, Value};
 #[pyfunction]
 pub(crate) fn presets() -> Vec<&'static str> {
     PRESETS.iter().map(|(name, _)| *name).collect()
-}
-
-/// Every contact and friction law: field of the description, name, description, range, source.
-#[pyfunction]
-pub(crate) fn laws() -> Vec<[&'static str; 5]> {
-    let row = |entry: catalogue::Entry| {
-        let field = match entry.group {
-            Group::Dissipation => "contact.dissipation",
-            Group::Stiffness => "contact.stiffness",
-            Group::Complete => "contact.law",
-            Group::Friction => "friction.law",
-        };
-        [field, entry.name, entry.description, entry.range, entry.source]
-    };
-    catalogue::all().map(row).collect()
 }
 
 /// Opens a preset or a file. Returns the complete description and the name of its plant; paths in

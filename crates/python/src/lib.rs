@@ -20,12 +20,12 @@ mod native {
     use crate::controller::Controller;
     #[pymodule_export]
     use crate::description::{
-        change_description, contact_forces, laws, open_description, parse_description, presets,
+        change_description, contact_forces, open_description, parse_description, presets,
     };
     #[pymodule_export]
     use crate::error::{InputError, WorkError};
     #[pymodule_export]
-    use crate::logs::{channels, read_channels, read_log, write_log};
+    use crate::logs::{channels, read_log, read_samples, write_log};
     #[pymodule_export]
     use crate::networks::Networks;
     #[pymodule_export]

@@ -1,9 +1,10 @@
 //! Log files of every format as arrays.
 
 use crate::arrays::Numbers;
-use crate::error::{input, work};
+use crate::error::{input, of_command, work};
 use bench::log::{RawColumn, RawLog};
 use bench::{Bench, Channel, MeasuredLog};
+use host_sim::replay;
 use numpy::PyArray1;
 use pyo3::{Bound, PyResult, Python, pyfunction};
 use std::path::PathBuf;
@@ -22,20 +23,20 @@ pub(crate) fn read_log(py: Python<'_>, path: PathBuf) -> PyResult<(&'static str,
     Ok((log.file_format, log.columns.into_iter().map(column).collect()))
 }
 
-/// Reads the time and the channels of a log as a description names them, in SI units; missing
-/// readings are NaN.
+/// Samples of a log: time between two in s, their numbers, and names with arrays in SI units.
+type Samples<'py> = (f64, Bound<'py, PyArray1<u32>>, Vec<(&'static str, Bound<'py, PyArray1<f64>>)>);
+
+/// Reads the time and the channels of a log as a description names them; missing readings are NaN.
 #[pyfunction]
-pub(crate) fn read_channels<'py>(
-    py: Python<'py>,
-    path: PathBuf,
-    description: &str,
-) -> PyResult<Vec<(&'static str, Bound<'py, PyArray1<f64>>)>> {
+pub(crate) fn read_samples<'py>(py: Python<'py>, path: PathBuf, description: &str) -> PyResult<Samples<'py>> {
     let bench = Bench::parse("description", description).map_err(input)?;
     let log = py.detach(|| MeasuredLog::read_as_found(&path, &bench.log_format())).map_err(input)?;
+    let period_s = replay::log::period_s(&log).map_err(of_command)?;
+    let numbers = replay::log::numbers(&log, period_s).map_err(of_command)?;
     let time = ("t_s", PyArray1::from_vec(py, log.time_s));
     let channels = log.channels.into_iter();
     let channels = channels.map(|(channel, values)| (channel.name(), PyArray1::from_vec(py, values)));
-    Ok(std::iter::once(time).chain(channels).collect())
+    Ok((period_s, PyArray1::from_vec(py, numbers), std::iter::once(time).chain(channels).collect()))
 }
 
 /// Names of the channels with their units.
@@ -56,12 +57,6 @@ pub(crate) fn write_log(path: PathBuf, columns: Vec<(String, String, Numbers<'_>
         values: values.as_array().to_vec(),
     };
     let columns: Vec<RawColumn> = columns.into_iter().enumerate().map(column).collect();
-    let log = RawLog {
-        source: path.display().to_string(),
-        file_format: "",
-        format: Default::default(),
-        columns: Vec::new(),
-        others: Vec::new(),
-    };
-    log.write(&path, &columns.iter().collect::<Vec<_>>()).map_err(work)
+    let source = path.display().to_string();
+    RawLog::write(&source, &path, &columns.iter().collect::<Vec<_>>()).map_err(work)
 }

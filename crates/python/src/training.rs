@@ -31,10 +31,8 @@ pub(crate) fn train<'py>(
     report: Option<Py<PyAny>>,
 ) -> PyResult<(Bound<'py, PyBytes>, String)> {
     let material = material(material_name)?;
-    let mut recipe = Recipe { rows, epochs, grid_epochs, seed, ..Recipe::standard(material) };
-    if !recipe.instruction_set.is_available() {
-        recipe.instruction_set = InstructionSet::Portable;
-    }
+    let instruction_set = InstructionSet::best();
+    let recipe = Recipe { rows, epochs, grid_epochs, seed, instruction_set, ..Recipe::standard(material) };
     recipe.check().map_err(input)?;
     let mut ended = None;
     let mut inform = |network: NetworkKind, progress: Progress| {

@@ -249,6 +249,10 @@ def test_a_training_repeats_and_becomes_a_package():
     package = pintle.package([networks], version=2)
     with pytest.raises(pintle.InputError, match="native"):
         pintle.Controller.native().update(package)
+    controller = pintle.Controller.native()
+    controller.configure(pintle.Bench())
+    with pytest.raises(pintle.InputError, match="expected `stop`"):
+        controller.update(package)
     with pytest.raises(pintle.InputError, match="rows: found 1"):
         pintle.train(rows=1)
 
@@ -284,7 +288,8 @@ def test_an_error_of_a_command_is_an_exception(bench, tmp_path):
 def test_a_command_returns_its_result_and_leaves_standard_output_alone(capfd):
     found = pintle.command("laws", json=True)
     assert [law["name"] for law in found["laws"]] == list(pintle.laws()["name"])
-    assert pintle.command("laws") == ""
+    assert pintle.command("laws") == pintle.command("laws", quiet=True) == ""
+    assert pintle.command("laws", quiet=False).startswith("contact.dissipation")
     assert "Usage: host-sim" in pintle.command("--help")
     assert capfd.readouterr().out == ""
     with pytest.raises(pintle.InputError, match="expected a command"):

@@ -74,7 +74,7 @@ pub(crate) fn as_found(log: &RawLog, names: &[String], out: &Path) -> Result<Con
     if !names.is_empty() {
         check_times(log, &chosen)?;
     }
-    log.write(out, &chosen)?;
+    RawLog::write(&log.source, out, &chosen)?;
     Ok(Converted {
         log: out.display().to_string(),
         columns: chosen.iter().map(|column| column.label()).collect(),
@@ -116,7 +116,7 @@ pub(crate) fn resampled(
         )));
     }
     let columns = resample(&log.source, &timed, rate_hz)?;
-    log.write(out, &columns.iter().collect::<Vec<_>>())?;
+    RawLog::write(&log.source, out, &columns.iter().collect::<Vec<_>>())?;
     Ok(Converted {
         log: out.display().to_string(),
         columns: columns.iter().map(|column| column.label()).collect(),

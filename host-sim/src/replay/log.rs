@@ -9,7 +9,11 @@ use controller::estimator::SAMPLE_PERIOD_RANGE_US;
 use link::SensorFrame;
 
 /// Returns the median interval of a log in s, so that missing rows have no effect.
-pub(crate) fn period_s(log: &MeasuredLog) -> Result<f64, CliError> {
+///
+/// # Errors
+///
+/// It is outside the range of the controller.
+pub fn period_s(log: &MeasuredLog) -> Result<f64, CliError> {
     let mut intervals: Vec<f64> =
         log.time_s.windows(2).filter_map(|w| Some(w.get(1)? - w.first()?)).collect();
     intervals.sort_by(f64::total_cmp);
@@ -28,8 +32,29 @@ pub(crate) fn period_s(log: &MeasuredLog) -> Result<f64, CliError> {
     }
 }
 
-/// Returns the samples of a log. Their numbers follow from the times, so the controller notices a
-/// missing row.
+/// Returns the number of each row, counted in periods from the first. The controller notices a
+/// missing row by them.
+///
+/// # Errors
+///
+/// Two rows belong to one period.
+pub fn numbers(log: &MeasuredLog, period_s: f64) -> Result<Vec<u32>, CliError> {
+    let start = log.time_s.first().copied().unwrap_or_default();
+    // `as` saturates, and turns a time that is not a number into 0.
+    let numbers: Vec<u32> = log.time_s.iter().map(|t| ((t - start) / period_s).round() as u32).collect();
+    match numbers.array_windows().position(|[before, after]| after <= before) {
+        None => Ok(numbers),
+        Some(row) => Err(CliError::Input(format!(
+            "{}: found rows {} and {} in one period of {:.0} us; expected one",
+            log.source,
+            row + 1,
+            row + 2,
+            1e6 * period_s
+        ))),
+    }
+}
+
+/// Returns the samples of a log.
 ///
 /// # Errors
 ///
@@ -40,21 +65,10 @@ pub(crate) fn frames(log: &MeasuredLog, period_s: f64) -> Result<Vec<SensorFrame
     let angle = log.need(Channel::ShaftAngle)?;
     let load = log.need(Channel::LoadForce)?;
     let start = log.time_s.first().copied().unwrap_or_default();
-    let rows = log.time_s.iter().zip(y).zip(z).zip(angle).zip(load);
-    let frame = |((((t, y), z), angle), load): ((((&f64, &f64), &f64), &f64), &f64)| {
-        // `as` saturates.
-        let number = ((t - start) / period_s).round() as u32;
-        sensing::frame(number, t - start, [*y, *z, *angle, *load])
-    };
-    let frames: Vec<SensorFrame> = rows.map(frame).collect();
-    match frames.array_windows().position(|[before, after]| after.sequence <= before.sequence) {
-        None => Ok(frames),
-        Some(row) => Err(CliError::Input(format!(
-            "{}: found rows {} and {} in one period of {:.0} us; expected one",
-            log.source,
-            row + 1,
-            row + 2,
-            1e6 * period_s
-        ))),
-    }
+    let rows = log.time_s.iter().zip(y).zip(z).zip(angle).zip(load).zip(numbers(log, period_s)?);
+    Ok(rows
+        .map(|(((((t, y), z), angle), load), number)| {
+            sensing::frame(number, t - start, [*y, *z, *angle, *load])
+        })
+        .collect())
 }

@@ -1,6 +1,6 @@
 //! Replays: a recorded link session on another controller, compared to the bit; or a measured log.
 
 mod compare;
-pub(crate) mod log;
+pub mod log;
 
 pub use compare::{Difference, Replayed, replay};

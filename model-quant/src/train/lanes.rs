@@ -19,7 +19,7 @@ impl InstructionSet {
     }
 
     /// Returns true if this machine supports the set.
-    pub fn is_available(self) -> bool {
+    pub(crate) fn is_available(self) -> bool {
         self == Self::Portable || !matches!(self.machine(), Machine::Plain)
     }
 

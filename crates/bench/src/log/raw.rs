@@ -131,18 +131,18 @@ impl RawLog {
     }
 
     /// Writes columns atomically, with names and units: Parquet to `.parquet`, a MAT-file to
-    /// `.mat`, else CSV.
+    /// `.mat`, else CSV. Messages call their origin `source`.
     ///
     /// # Errors
     ///
     /// The columns have different lengths, or the file cannot be written.
-    pub fn write(&self, path: &Path, columns: &[&RawColumn]) -> Result<(), LogError> {
+    pub fn write(source: &str, path: &Path, columns: &[&RawColumn]) -> Result<(), LogError> {
         let file = path.display().to_string();
         let lengths: BTreeSet<usize> = columns.iter().map(|column| column.values.len()).collect();
         if lengths.len() > 1 {
             let lengths: Vec<String> = lengths.iter().map(usize::to_string).collect();
             let found = format!("columns of {} rows", lengths.join(" and "));
-            return Err(LogError::content(&self.source, found, "columns of one length"));
+            return Err(LogError::content(source, found, "columns of one length"));
         }
         let names: Vec<String> = columns.iter().map(|column| column.label()).collect();
         let written: Vec<Written<'_>> = columns

@@ -32,8 +32,7 @@ def presets() -> list[str]:
 
 def laws() -> pd.DataFrame:
     """Every contact and friction law: field of a description, name, description, range, source."""
-    columns = ["field", "name", "description", "range", "source"]
-    return pd.DataFrame(_native.laws(), columns=columns)
+    return pd.DataFrame(command("laws", json=True)["laws"])
 
 
 class Run(Results):
@@ -198,8 +197,8 @@ class Bench:
         """
         controller = Controller.native() if controller is None else controller
         with as_files([log], self._text) as ([path], names), renamed_errors(names):
-            channels = dict(_native.read_channels(str(path), self._text))
-        return controller.estimate_log(self._text, channels, contact)
+            period_s, numbers, channels = _native.read_samples(str(path), self._text)
+        return controller.estimate_log(self._text, contact, period_s, numbers, dict(channels))
 
     def check(self, *logs: Log) -> Inspection:
         """Judges logs before a diagnosis: quality, units, parameters that they do not show."""

@@ -29,7 +29,7 @@ def command(*words: str | Path, json: bool = False, **options: Any) -> Any:
     Args:
         words: The command and its arguments.
         json: Return the result as Python objects; else the text of the command, mostly empty.
-        options: Options of the command.
+        options: Options of the command; ``quiet`` unless ``verbose`` is given.
 
     Raises:
         InputError: An argument or a file is wrong.
@@ -37,10 +37,9 @@ def command(*words: str | Path, json: bool = False, **options: Any) -> Any:
     """
     if not words:
         raise InputError("command: found no word; expected a command of host-sim")
-    written = [str(word) for word in words] + _options(options)
-    if "verbose" not in options and not written[0].startswith("-"):
-        written.append("--quiet")
-    output = _native.call_host_sim(written + (["--json"] if json else []))
+    options.setdefault("quiet", not options.get("verbose"))
+    written = [str(word) for word in words]
+    output = _native.call_host_sim(written + _options({**options, "json": json}))
     return loads(output) if json else output
 
 

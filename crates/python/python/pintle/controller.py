@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Container
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -83,9 +84,7 @@ class Controller:
 
     def estimate(self, samples: pd.DataFrame) -> pd.DataFrame:
         """Estimates the next samples: channels of ``CHANNELS`` as columns, one row a period."""
-        missing = [name for name in CHANNELS if name not in samples.columns]
-        if missing:
-            raise InputError(f"log: found no column {', '.join(missing)}; expected {', '.join(CHANNELS)}")
+        _check_channels(samples.columns)
         check_units(samples)
         channels = {name: numbers(samples[name], name) for name in CHANNELS}
         count = np.arange(len(samples), dtype=np.uint32)
@@ -97,20 +96,21 @@ class Controller:
         return counters
 
     def estimate_log(
-        self, description: str, channels: dict[str, npt.NDArray[np.float64]], contact: str
+        self,
+        description: str,
+        contact: str,
+        period_s: float,
+        count: npt.NDArray[np.uint32],
+        channels: dict[str, npt.NDArray[np.float64]],
     ) -> Estimates:
-        """Estimates a complete log, given by its channels and ``t_s``."""
-        missing = [name for name in CHANNELS if name not in channels]
-        if missing:
-            raise InputError(f"log: found no column {', '.join(missing)}; expected {', '.join(CHANNELS)}")
-        time_s = channels["t_s"]
-        period_s, count = _numbers(time_s)
+        """Estimates a complete log by its channels, ``t_s`` included, and its samples' numbers."""
+        _check_channels(channels)
         self._controller.configure(description, period_s, contact)
         columns, ended = self._estimate(count, channels)
         counters, open_ended = self._controller.stop()
         tables = [read_csv(text) for text in (ended, open_ended)]
         filled = [table for table in tables if len(table)] or tables[:1]
-        samples = pd.DataFrame(columns, index=pd.Index(time_s, name="t_s"))
+        samples = pd.DataFrame(columns, index=pd.Index(channels["t_s"], name="t_s"))
         return Estimates(samples, pd.concat(filled, ignore_index=True), json.loads(counters))
 
     def _estimate(
@@ -120,18 +120,7 @@ class Controller:
         return {**dict(columns), "flags": flags}, ended
 
 
-def _numbers(time_s: npt.NDArray[np.float64]) -> tuple[float, npt.NDArray[np.uint32]]:
-    """Median interval in s, rounded to microseconds, and the number of each sample."""
-    if len(time_s) < 2 or not np.isfinite(time_s).all():
-        found = "times that are not finite" if len(time_s) > 1 else f"{len(time_s)} samples"
-        raise InputError(f"log: found {found}; expected at least 2 samples with times")
-    period_s = round(float(np.median(np.diff(time_s))) * 1e6) * 1e-6
-    if period_s <= 0:
-        raise InputError("log: found times that do not ascend; expected one sample a period")
-    count = np.round((time_s - time_s[0]) / period_s)
-    same = np.flatnonzero(np.diff(count) < 1)
-    if len(same):
-        raise InputError(
-            f"log: found rows {same[0] + 1} and {same[0] + 2} in one period of {period_s:g} s; expected one"
-        )
-    return period_s, count.astype(np.uint32)
+def _check_channels(found: Container[str]) -> None:
+    missing = [name for name in CHANNELS if name not in found]
+    if missing:
+        raise InputError(f"log: found no column {', '.join(missing)}; expected {', '.join(CHANNELS)}")
