@@ -35,6 +35,7 @@ mod stack;
 mod table;
 mod tally;
 mod test;
+mod test_programs;
 mod verify;
 mod workspace;
 

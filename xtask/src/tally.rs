@@ -39,7 +39,7 @@ impl Tally {
     }
 
     /// Reads a line of a test program.
-    fn read(&mut self, line: &str) {
+    pub(crate) fn read(&mut self, line: &str) {
         if let Some((name, reason)) =
             line.strip_prefix("test ").and_then(|line| line.split_once(" ... ignored"))
         {

@@ -3,6 +3,7 @@
 use crate::golden::Comparison;
 use crate::run::{ChoreError, cargo, run, succeeds};
 use crate::tally::Tally;
+use crate::test_programs::{self, Choice};
 use crate::{
     book, budget, c_check, cycles, firmware, fmu, golden, kernels, language, python, readme, setup, verify,
     workspace,
@@ -17,33 +18,31 @@ const LONG: &str = "PINTLE_LONG";
 
 /// Runs all checks and tests; with `is_long` also the ignored tests.
 ///
-/// All tests run even if one fails. A failed check ends the run at once. The last
-/// line has the format of cargo's own summary.
+/// A wrong format or word ends the run at once. All tests run even if one of them or another check
+/// fails. The last line has the format of cargo's own summary.
 pub(crate) fn test(is_long: bool) -> Result<(), ChoreError> {
     let start = Instant::now();
-    let mut skipped = checks()?;
+    let mut skipped = build()?;
+    let checks = std::thread::spawn(checks);
     let mut tally = Tally::default();
-    let mut tests = workspace::tests();
-    tests.arg("--no-fail-fast");
-    if is_long {
-        tests.env(LONG, "1");
-    }
-    tally.run(&mut tests)?;
+    let variables: &[_] = if is_long { &[(LONG, "1")] } else { &[] };
+    test_programs::run_all(Choice::Usual, variables, &mut tally)?;
+    let checked = checks.join().unwrap_or_else(|_| Err(ChoreError::ByHand("a check panicked".into())));
     // Separate, so that the first run tests `host-sim` without probes.
     tally.run(workspace::tests().args(["--features", "host-sim/fake-probe", "--test", "fake_probe"]))?;
     if is_long {
         let ignored = std::mem::take(&mut tally.ignored);
         let long = Instant::now();
-        tally.run(workspace::tests().args([
-            "--no-fail-fast",
-            "--tests",
-            "--",
-            "--ignored",
-            "--skip",
-            WRITERS,
-        ]))?;
+        test_programs::run_all(Choice::IgnoredBut(WRITERS), variables, &mut tally)?;
         println!("\nran the ignored tests in {:.0} s", long.elapsed().as_secs_f64());
         tally.ignored.extend(ignored.into_iter().filter(|name| name.contains(WRITERS)));
+    }
+    match &checked {
+        Ok(more) => skipped.extend_from_slice(more),
+        Err(error) => {
+            eprintln!("error: {error}");
+            tally.failed_commands.push(error.to_string());
+        }
     }
     for test in &tally.ignored {
         skipped.push(format!("ignored test: {test}"));
@@ -56,9 +55,9 @@ pub(crate) fn test(is_long: bool) -> Result<(), ChoreError> {
     }
 }
 
-/// Runs everything but the tests: format, kernels, golden figures, budgets. Returns what was
-/// skipped.
-fn checks() -> Result<Vec<String>, ChoreError> {
+/// Installs what is missing, and builds everything that the checks and tests need. Checks format,
+/// language and kernels meanwhile. Returns what was skipped.
+fn build() -> Result<Vec<String>, ChoreError> {
     let mut skipped = vec![];
     setup::setup()?;
     if !setup::browser() {
@@ -77,8 +76,14 @@ fn checks() -> Result<Vec<String>, ChoreError> {
     language::check()?;
     kernels::kernels()?;
     build.join().unwrap_or_else(|_| Err(ChoreError::ByHand("the build of the tests panicked".into())))?;
+    Ok(skipped)
+}
+
+/// Runs the checks that are no test programs: packages, golden figures, budgets. Returns what was
+/// skipped.
+fn checks() -> Result<Vec<String>, ChoreError> {
     verify::verify()?;
-    skipped.extend(c_check::check()?);
+    let mut skipped = c_check::check()?;
     skipped.extend(fmu::check()?);
     skipped.extend(python::check()?);
     skipped.extend(book::check()?);
