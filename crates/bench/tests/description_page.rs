@@ -141,8 +141,12 @@ fn page() -> String {
         write_section(&mut page, section, "###");
     }
     page.push_str(
-        "\n`[uncertain]` also accepts `sensors.<channel>.offset`, `.gain` and `.delay_s`. The effects \
-         and their\nparameters are in [effects.md](effects.md).\n\n## Channels\n\n\
+        "\n`[uncertain]` also accepts `sensors.<channel>.offset`, `.gain` and `.delay_s`. Of a \
+         mechanism it\naccepts `body.<name>.mass_kg` and `.inertia_kg_m2`; `joint.<name>.clearance_m`, \
+         `.backlash_m` and\n`.drive_speed`; `contact.<name>.youngs_modulus_pa`, `.coefficient`, \
+         `.restitution` and\n`.coulomb_coefficient`, where the description has the number. The name of a \
+         joint is that of its two\nbodies, such as `crank_coupler`. The effects and their parameters are \
+         in [effects.md](effects.md).\n\n## Channels\n\n\
          | channel | unit | role | meaning |\n|---|---|---|---|\n",
     );
     for channel in Channel::ALL {

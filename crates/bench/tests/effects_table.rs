@@ -22,6 +22,11 @@ speed_m_s = 0.01
 name = \"sensor-delay\"
 channel = \"journal_y_m\"
 delay_s = 4e-4
+
+[[effects]]                     # of a mechanism
+name = \"clearance-wear\"
+of = \"crank_coupler\"
+clearance_increase_m = 1e-5
 ```
 
 * **Parameters**: name, unit, bounds and prior. The prior is one standard deviation over real
@@ -32,9 +37,12 @@ delay_s = 4e-4
   stroke and its rms speed at the friction radius, its drag (rms effort over rms speed), its
   stiffness (rms effort over half the stroke), its load gain (rms effort over rms load), and its
   inertia (rms effort over the acceleration that rms speed and half stroke imply). Such a parameter
-  is found alike in a log in other units.
+  is found alike in a log in other units. On a mechanism these are the quantities of its first
+  drive, where the log measures its force or torque.
 * **Plants**: planar (transmission bench), two-plane (the same with `[two_plane]`), rotary (friction
-  rig), linear (axis). On other plants the effect is refused.
+  rig), linear (axis), mechanism (one with `[[measured]]`). On other plants the effect is refused.
+  An effect on a part of a mechanism names it by `of`: a body, or a joint by its two bodies, such as
+  `crank_coupler`; a second joint of the same bodies is `crank_coupler_again_2`.
 * **Shows in**: the channel of the transmission bench that shows it best. On an axis that is the
   effort, for a sensor effect the sensor's own channel.
 * **Confounded with**: effects that look alike on some trajectories, so that a diagnosis may name
@@ -47,9 +55,9 @@ with a `support_stiffness_nm_rad`, because a shaft without further supports foll
 `thermal-friction-drift` needs a log about as long as the time constant, and `sensor-saturation`
 readings beyond the limit.
 
-| effect | meaning | parameters on a transmission bench | parameters on an axis | plants | shows in | \
-confounded with |
-|---|---|---|---|---|---|---|
+| effect | meaning | parameters on a transmission bench | parameters on an axis | parameters on a \
+mechanism | plants | shows in | confounded with |
+|---|---|---|---|---|---|---|---|
 ";
 
 fn number(value: f64) -> String {
@@ -80,7 +88,7 @@ fn parameter(p: &EffectParameter) -> String {
 }
 
 fn row(kind: &EffectKind) -> String {
-    let list = |plants: [Plant; 2]| match plants.into_iter().find_map(|plant| kind.action(plant)) {
+    let list = |plants: &[Plant]| match plants.iter().find_map(|plant| kind.action(*plant)) {
         Some(action) => action.parameters.iter().map(parameter).collect::<Vec<_>>().join("; "),
         None => "refused".into(),
     };
@@ -89,14 +97,16 @@ fn row(kind: &EffectKind) -> String {
         Plant::TwoPlane => "two-plane",
         Plant::Rotary => "rotary",
         Plant::Linear => "linear",
+        Plant::Mechanism => "mechanism",
     };
     let channel = if kind.is_per_channel() { " (with a `channel`)" } else { "" };
     format!(
-        "| `{}`{channel} | {} | {} | {} | {} | {} | {} |\n",
+        "| `{}`{channel} | {} | {} | {} | {} | {} | {} | {} |\n",
         kind.name,
         kind.summary,
-        list([Plant::Planar, Plant::TwoPlane]),
-        list([Plant::Rotary, Plant::Linear]),
+        list(&[Plant::Planar, Plant::TwoPlane]),
+        list(&[Plant::Rotary, Plant::Linear]),
+        list(&[Plant::Mechanism]),
         kind.plants().map(plant).collect::<Vec<_>>().join(", "),
         kind.shows_in.map_or("its channel".into(), |c| format!("`{c}`")),
         kind.confounded().iter().map(|n| format!("`{n}`")).collect::<Vec<_>>().join(", "),

@@ -30,6 +30,7 @@ fn a_run_without_energies_equals_the_run_with_them() {
         bench.effects_mut().push(Effect {
             name: (*name).into(),
             channel: None,
+            of: None,
             parameters: parameters.iter().map(|(n, v)| ((*n).to_owned(), *v)).collect(),
         });
         let Bench::Transmission(bench) = bench.resolved() else { unreachable!("bench B is a transmission") };

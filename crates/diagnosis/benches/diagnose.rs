@@ -22,6 +22,7 @@ fn hidden(preset: &str, effect: Option<(&str, Option<Channel>, &str, f64)>) -> (
     bench.effects_mut().extend(effect.map(|(name, channel, parameter, value)| Effect {
         name: name.into(),
         channel,
+        of: None,
         parameters: [(parameter.into(), value)].into(),
     }));
     let log = record(&bench, 1).unwrap_or_else(|e| unreachable!("the bench runs: {e}"));

@@ -12,7 +12,7 @@ use bench::simulate::record;
 
 /// An effect of the plant without guesses.
 pub(crate) fn plain(name: &str) -> Candidate {
-    Candidate { kind: kind(name).unwrap(), channel: None, guess: None }
+    Candidate { kind: kind(name).unwrap(), channel: None, of: None, guess: None }
 }
 
 /// Data, noise and calibrated fit of a rig with `effort` N m more dry friction than described;
@@ -24,7 +24,7 @@ pub(crate) fn calibrated(effort: f64) -> (Data, NoiseModel, Fit) {
     }
     let mut truth = bench.clone();
     let parameters = [("coulomb_effort".to_owned(), effort)].into();
-    truth.effects_mut().push(Effect { name: "coulomb-level".into(), channel: None, parameters });
+    truth.effects_mut().push(Effect { name: "coulomb-level".into(), channel: None, of: None, parameters });
     let data = Data::new(&bench, &[record(&truth, 3).unwrap()], &[], Split::Halves).unwrap();
     let described = simulate(&data, &bench, None).unwrap();
     let noise = NoiseModel::from_nominal_residual(&bench, &data, &data.residual(&described.columns));

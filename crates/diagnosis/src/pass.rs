@@ -153,7 +153,7 @@ impl Pass<'_> {
         }
         let experiment = last_stage
             .zip(extended.causes.last())
-            .and_then(|(stage, (cause, _))| self.experiment(data, stage, (*cause, extended)));
+            .and_then(|(stage, (cause, _))| self.experiment(data, stage, (cause, extended)));
         let known = 1.0 - shares.unknown;
         let equivalents = equivalents.iter().map(|c| EquivalentEffect::new(c, known)).collect();
         let findings = numbers.findings(&[]).into_iter().chain(notes).collect();
@@ -221,7 +221,7 @@ impl Pass<'_> {
             rejection: result.diagnosis.rejection.clone().filter(|r| !r.causes.iter().any(is_named)),
             shares: parts.shares(unknown),
             experiment: main
-                .and_then(|(stage, (cause, _))| self.experiment(data, stage, (*cause, explanation))),
+                .and_then(|(stage, (cause, _))| self.experiment(data, stage, (cause, explanation))),
             findings: result.diagnosis.checks.iter().filter(|f| f.kind == "immaterial").cloned().collect(),
         };
         let mut diagnosis = self.report(search, calibrated, answer)?;
@@ -237,7 +237,7 @@ impl Pass<'_> {
         &self,
         data: &Data,
         stage: &Stage,
-        (cause, explanation): (Candidate, &Explanation),
+        (cause, explanation): (&Candidate, &Explanation),
     ) -> Option<Experiment> {
         stage.equivalents().next()?;
         propose(self.bench, data, stage, (cause, &explanation.model, &explanation.z))

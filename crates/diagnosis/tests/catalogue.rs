@@ -21,7 +21,7 @@ type Sizes<'a> = &'a [(&'a str, f64)];
 
 fn hide(mut bench: Bench, name: &str, channel: Option<Channel>, sizes: Sizes<'_>, seed: u64) -> Diagnosis {
     let parameters = sizes.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect();
-    let truth = Effect { name: name.into(), channel, parameters };
+    let truth = Effect { name: name.into(), channel, of: None, parameters };
     truth.check(&bench).unwrap();
     let nominal = bench.clone();
     bench.effects_mut().push(truth);
@@ -203,7 +203,7 @@ fn seal_friction_on_an_axis_is_a_level_and_a_load_dependent_part() {
         [("coulomb-level", "coulomb_effort", 8.0), ("load-dependent-friction", "load_coefficient", 0.04)]
     {
         let parameters = [(parameter.to_owned(), value)].into();
-        bench.effects_mut().push(Effect { name: name.into(), channel: None, parameters });
+        bench.effects_mut().push(Effect { name: name.into(), channel: None, of: None, parameters });
     }
     let d = diagnose(&nominal, &[record(&bench, 7).unwrap()], &[], &Options::default()).unwrap();
     let mut causes: Vec<_> = d.causes.iter().map(|cause| cause.effect.as_str()).collect();

@@ -14,6 +14,7 @@ fn log(viscous_effort: f64) -> (Bench, MeasuredLog) {
     bench.effects_mut().push(Effect {
         name: "viscous-friction".into(),
         channel: None,
+        of: None,
         parameters: [("viscous_effort".to_owned(), viscous_effort)].into(),
     });
     (described, record(&bench, 11).unwrap())

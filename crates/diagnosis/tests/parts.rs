@@ -38,7 +38,7 @@ fn log(bench: &Bench, effects: &[(&str, &str, f64)], more: impl Fn(f64, f64, f64
     let mut truth = bench.clone();
     for (name, parameter, value) in effects {
         let parameters = [((*parameter).to_owned(), *value)].into();
-        truth.effects_mut().push(Effect { name: (*name).into(), channel: None, parameters });
+        truth.effects_mut().push(Effect { name: (*name).into(), channel: None, of: None, parameters });
     }
     let mut log = record(&truth, 7).unwrap();
     let (position, speed) =

@@ -16,7 +16,8 @@ fn stepped(share: f64, change: f64, seed: u64) -> Diagnosis {
     let nominal = rig();
     let time_s = share * LENGTH_S;
     let parameters = [("coulomb_effort".to_owned(), change), ("time_s".to_owned(), time_s)];
-    let step = Effect { name: "friction-step".into(), channel: None, parameters: parameters.into() };
+    let step =
+        Effect { name: "friction-step".into(), channel: None, of: None, parameters: parameters.into() };
     let mut bench = nominal.clone();
     bench.effects_mut().push(step);
     let log = record(&bench, seed).unwrap();
@@ -89,6 +90,7 @@ fn late_on_the_bench(exclude: &[&str]) -> Diagnosis {
     bench.effects_mut().push(Effect {
         name: "friction-step".into(),
         channel: None,
+        of: None,
         parameters: parameters.into(),
     });
     let log = record(&bench, 5).unwrap();

@@ -54,7 +54,7 @@ fn with_viscous_friction(share: f64) -> Diagnosis {
     let mut truth = bench.clone();
     let rms_speed = 0.5 * std::f64::consts::PI / std::f64::consts::SQRT_2;
     let parameters = [("viscous_effort".to_owned(), share * 0.05 / rms_speed)].into();
-    truth.effects_mut().push(Effect { name: "viscous-friction".into(), channel: None, parameters });
+    truth.effects_mut().push(Effect { name: "viscous-friction".into(), channel: None, of: None, parameters });
     diagnose(&bench, &[record(&truth, 3).unwrap()], &[], &Options::default()).unwrap()
 }
 

@@ -69,21 +69,8 @@ impl BenchOptions {
         }
     }
 
-    /// Opens the bench, applies the changes and checks the result.
+    /// Opens the bench of a plant with a log, applies the changes and checks the result.
     pub fn open(&self) -> Result<Bench, CliError> {
-        let bench = self.open_recorded()?;
-        if matches!(bench, Bench::Mechanism(_)) {
-            return Err(CliError::Input(format!(
-                "{}: found plant `mechanism`, which only `run`, `record` and `evaluate` take; expected \
-                 another plant with a log",
-                self.bench
-            )));
-        }
-        Ok(bench)
-    }
-
-    /// Opens the bench as [`Self::open`] does, also a mechanism with `[[measured]]`.
-    pub(crate) fn open_recorded(&self) -> Result<Bench, CliError> {
         let bench = self.open_any()?;
         if bench.logged().is_none() {
             let expected = match bench {

@@ -37,7 +37,7 @@ pub fn run(args: &EvaluateArgs) -> Result<(), CliError> {
     if let Some(folder) = &args.out {
         output::check_folder(folder)?;
     }
-    let bench = args.bench.open_recorded()?;
+    let bench = args.bench.open()?;
     let logs = super::diagnose::read(&args.logs, &bench)?;
     let bar = progress::bar(1);
     bar.set_message("simulating the logs");

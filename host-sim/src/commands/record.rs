@@ -45,7 +45,7 @@ pub(crate) struct Written {
 
 /// Runs the command.
 pub fn run(args: &RecordArgs) -> Result<(), CliError> {
-    let bench = args.bench.open_recorded()?;
+    let bench = args.bench.open()?;
     let path = file_of(&args.out);
     output::check_folder(path.parent().unwrap_or(Path::new("")))?;
     let log = record(&bench, args.seed)?;

@@ -24,7 +24,7 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
             }
         }
     }
-    match &bench {
+    match &bench.resolved() {
         Bench::SliderCrank(plant) => return slider_crank::run(plant, args),
         Bench::Mechanism(plant) => return mechanism::run(plant, args),
         _ => {}

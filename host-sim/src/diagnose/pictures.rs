@@ -1,7 +1,7 @@
 //! Pictures of a diagnosis: measured and simulated signals, residuals over their causes, ranking
 //! and shares as bars.
 
-use super::sentences::channelled;
+use super::sentences::placed;
 use bench::Channel;
 use diagnosis::{Diagnosis, Series as Residual, four_digits};
 use report::figure::{Chart, Series, Style, lines};
@@ -242,14 +242,15 @@ pub(crate) fn ranking(diagnosis: &Diagnosis) -> String {
         .ranking
         .iter()
         .map(|r| {
-            let chosen = diagnosis.causes.iter().any(|c| c.effect == r.effect && c.channel == r.channel);
+            let own = (&r.effect, r.channel, &r.of);
+            let chosen = diagnosis.causes.iter().any(|c| (&c.effect, c.channel, &c.of) == own);
             let colour = match (chosen, r.refitted) {
                 (true, _) => CHOSEN,
                 (false, true) => OTHER,
                 (false, false) => PALE,
             };
             Bar {
-                name: channelled(&r.effect, r.channel),
+                name: placed(&r.effect, r.channel, &r.of),
                 share: share(r.evidence),
                 value: four_digits(r.evidence),
                 colour,
@@ -272,9 +273,9 @@ const MIN_SHARE: f64 = 1e-3;
 
 /// Posterior shares of the hypotheses, `none` and `unknown` among them.
 pub(crate) fn shares(diagnosis: &Diagnosis) -> String {
-    let chosen: Vec<String> = diagnosis.causes.iter().map(|c| channelled(&c.effect, c.channel)).collect();
+    let chosen: Vec<String> = diagnosis.causes.iter().map(|c| placed(&c.effect, c.channel, &c.of)).collect();
     let fitted = diagnosis.hypotheses.iter().filter(|h| h.probability >= MIN_SHARE).map(|h| {
-        let names: Vec<String> = h.causes.iter().map(|m| channelled(&m.effect, m.channel)).collect();
+        let names: Vec<String> = h.causes.iter().map(|m| placed(&m.effect, m.channel, &m.of)).collect();
         let colour = if names == chosen { CHOSEN } else { OTHER };
         (names.join(" + "), h.probability, colour)
     });

@@ -1,7 +1,7 @@
 //! Report of a diagnosis: first the verdict, last the data, parameters and noise.
 
 use super::pictures::{measured_and_simulated, places, ranking, residuals, shares};
-use super::sentences::{channelled, left_words, rejection_words, sentence};
+use super::sentences::{left_words, placed, rejection_words, sentence};
 use super::tables::{Table, calibrated, causes, findings, gains, noise, nuisances, separation};
 use diagnosis::{Diagnosis, Verdict};
 use report::page::Page;
@@ -44,7 +44,7 @@ fn add_causes(page: &mut Page, diagnosis: &Diagnosis) {
             page.text(&format!(
                 "Equally possible: {}, with a probability of {:.1} %; its signature and that of the cause \
                  have a correlation of {:.3}.",
-                channelled(&other.effect, other.channel),
+                placed(&other.effect, other.channel, &other.of),
                 100.0 * other.probability,
                 other.correlation
             ));

@@ -7,9 +7,12 @@ use diagnosis::{
     four_digits,
 };
 
-/// An effect with its channel, if it has one.
-pub(crate) fn channelled(effect: &str, channel: Option<Channel>) -> String {
-    channel.map_or_else(|| effect.to_owned(), |c| format!("{effect} of {c}"))
+/// An effect with its channel or its part of a mechanism, if it has one.
+pub(crate) fn placed(effect: &str, channel: Option<Channel>, part: &Option<String>) -> String {
+    match channel.map(Channel::name).or(part.as_deref()) {
+        Some(place) => format!("{effect} of {place}"),
+        None => effect.to_owned(),
+    }
 }
 
 /// A number with its unit.
@@ -44,11 +47,11 @@ fn cause_words(cause: &Cause) -> String {
         .iter()
         .map(|p| format!("{} = {}", p.name, with_unit(four_digits(p.value), &p.unit)))
         .collect();
-    let others = cause.alternatives.iter().map(|a| format!("; or {}", channelled(&a.effect, a.channel)));
+    let others = cause.alternatives.iter().map(|a| format!("; or {}", placed(&a.effect, a.channel, &a.of)));
     format!(
         "{} ({}: {}{})",
         meaning(&cause.effect, cause.channel),
-        channelled(&cause.effect, cause.channel),
+        placed(&cause.effect, cause.channel, &cause.of),
         parameters.join(", "),
         others.collect::<String>()
     )
@@ -98,7 +101,7 @@ pub(crate) fn sentence(diagnosis: &Diagnosis) -> String {
     };
     let gain = gain_words(diagnosis);
     let others: Vec<String> =
-        diagnosis.ambiguous_with.iter().map(|a| channelled(&a.effect, a.channel)).collect();
+        diagnosis.ambiguous_with.iter().map(|a| placed(&a.effect, a.channel, &a.of)).collect();
     match diagnosis.verdict {
         Verdict::None => {
             let notes = diagnosis.checks.iter().filter(|f| f.kind == "immaterial");
@@ -150,7 +153,7 @@ fn bounds_words(remarks: &[Identifiability], calibrated: &[CalibratedParameter])
 
 /// Describes what was found but is not counted as a cause, and the reason.
 pub(crate) fn rejection_words(rejection: &Rejection) -> String {
-    let causes: Vec<String> = rejection.causes.iter().map(|c| channelled(&c.effect, c.channel)).collect();
+    let causes: Vec<String> = rejection.causes.iter().map(|c| placed(&c.effect, c.channel, &c.of)).collect();
     format!("Found, but not counted as a cause: {}, because {}.", causes.join(" and "), rejection.words)
 }
 
@@ -201,7 +204,7 @@ mod tests {
 
     #[test]
     fn a_finding_that_is_not_counted_is_described_with_its_reason() {
-        let named = |effect: &str, channel| EffectName { effect: effect.into(), channel };
+        let named = |effect: &str, channel| EffectName { effect: effect.into(), channel, of: None };
         let causes = vec![named("breakaway", None), named("sensor-gain", Some(bench::Channel::DriveForce))];
         let rejection =
             |causes| Rejection { causes, reason: "explains-too-little".into(), words: "it is little".into() };

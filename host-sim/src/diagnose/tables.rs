@@ -1,6 +1,6 @@
 //! Tables of a diagnosis, for the terminal and the page.
 
-use super::sentences::{channelled, interval, percent, with_unit};
+use super::sentences::{interval, percent, placed, with_unit};
 use diagnosis::{Cause, Diagnosis, Finding, Gain, Severity, four_digits};
 use report::text_table;
 use std::fmt::Write as _;
@@ -19,7 +19,7 @@ pub(crate) fn causes(diagnosis: &Diagnosis) -> Table {
     let rows = diagnosis.causes.iter().flat_map(|cause| {
         cause.parameters.iter().map(|p| {
             vec![
-                channelled(&cause.effect, cause.channel),
+                placed(&cause.effect, cause.channel, &cause.of),
                 format!("{:.1} %", 100.0 * cause.probability),
                 p.name.clone(),
                 with_unit(four_digits(p.value), &p.unit),
@@ -197,6 +197,6 @@ pub(crate) fn separation(diagnosis: &Diagnosis) -> Table {
         .experiment
         .iter()
         .flat_map(|e| &e.separation)
-        .map(|s| vec![channelled(&s.effect, s.channel), format!("{:.0}", s.chi_square)]);
+        .map(|s| vec![placed(&s.effect, s.channel, &s.of), format!("{:.0}", s.chi_square)]);
     Table { header: &["separated from", "chi-square"], rows: rows.collect() }
 }

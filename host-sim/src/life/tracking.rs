@@ -104,5 +104,5 @@ fn sensed(bench: &TransmissionBench, clearance_m: f64, seed: u64) -> Result<Vec<
 /// Effect of a larger clearance.
 pub(super) fn wear_effect(increase_m: f64) -> Effect {
     let parameters = [(PARAMETER.to_owned(), increase_m)].into();
-    Effect { name: EFFECT.into(), channel: None, parameters }
+    Effect { name: EFFECT.into(), channel: None, of: None, parameters }
 }

@@ -234,6 +234,7 @@ mod tests {
             let cause = Cause {
                 effect: "position-ripple".into(),
                 channel: None,
+                of: None,
                 probability: 1.0,
                 parameters,
                 gain: Vec::new(),

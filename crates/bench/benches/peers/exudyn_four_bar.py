@@ -1,6 +1,9 @@
 """Four-bar with two clearance joints (examples/four-bar.toml) in EXUDYN 1.13.6.
 
-pip install exudyn==1.13.6; python exudyn_four_bar.py FILE.csv [STEP_S]
+pip install exudyn==1.13.6; python exudyn_four_bar.py FILE.csv [STEP_S] [log=SEED] [NAME=VALUE...]
+
+With `log` it writes the channels of examples/four-bar-log.toml with noise. Each further NAME is a
+constant of CHANGES, which makes the bench another than the described one.
 
 Rigid bodies, ideal joints and drive are EXUDYN's own; the contact force is a user function, because
 EXUDYN has no law with a latched approach speed. Trapezoidal rule, index 2, constant step.
@@ -14,18 +17,33 @@ from exudyn.itemInterface import (MarkerBodyPosition, MarkerBodyRigid, MarkerNod
                                   ObjectRigidBody2D, LoadForceVector, LoadTorqueVector)
 import numpy as np
 
-STEP_S = float(sys.argv[2]) if len(sys.argv) > 2 else 1e-6
+# Clearance, friction coefficient and restitution of the joint of rocker and coupler, mass of the
+# rocker over its described one, viscous torque at the rocker's pin in N m s/rad.
+CHANGES = {"clearance_m": 0.25e-3, "mu": 0.1, "restitution": 0.5, "rocker_mass": 1.0, "viscous": 0.0}
+# Noise of the log's channels.
+ANGLE_NOISE_RAD, TORQUE_NOISE_NM, JOURNAL_NOISE_M = 5e-5, 1.0, 2e-6
+
+given = dict(argument.split("=") for argument in sys.argv[2:] if "=" in argument)
+SEED = given.pop("log", None)
+unknown = sorted(set(given) - set(CHANGES))
+if unknown:
+    sys.exit(f"{', '.join(unknown)}: expected {', '.join(CHANGES)} or log")
+CHANGED = CHANGES | {name: float(value) for name, value in given.items()}
+steps = [argument for argument in sys.argv[2:] if "=" not in argument]
+STEP_S = float(steps[0]) if steps else 1e-6
 END_S = 0.12566370614359174
 SPEED = 50.0
 GRAVITY = 9.81
 O, A, B, D = (0.0, 0.0), (0.0, 0.1), (0.24, 0.2), (0.25, 0.0)
-R_B, CLEARANCE = 0.01, 0.25e-3
-R_J = R_B - CLEARANCE
-E_PA, NU, RESTITUTION, FLOOR = 207e9, 0.3, 0.5, 0.01
-MU, V_R = 0.1, 0.01
+# The two joints: as described, and changed.
+R_B, CLEARANCE = 0.01, (CHANGES["clearance_m"], CHANGED["clearance_m"])
+R_J = [R_B - clearance for clearance in CLEARANCE]
+E_PA, NU, FLOOR = 207e9, 0.3, 0.01
+RESTITUTION = (CHANGES["restitution"], CHANGED["restitution"])
+MU, V_R = (CHANGES["mu"], CHANGED["mu"]), 0.01
 H = (1 - NU**2) / E_PA
-K = 4 / (3 * 2 * H) * sqrt(R_B * R_J / CLEARANCE)
-CHI = 8 * (1 - RESTITUTION) / (5 * RESTITUTION)
+K = [4 / (3 * 2 * H) * sqrt(R_B * journal / clearance) for journal, clearance in zip(R_J, CLEARANCE)]
+CHI = [8 * (1 - e) / (5 * e) for e in RESTITUTION]
 
 SC = exu.SystemContainer()
 mbs = SC.AddSystem()
@@ -50,7 +68,7 @@ w2, w3 = np.linalg.solve(np.array([[-ab[1], db[1]], [ab[0], -db[0]]]), -va)
 vb = np.array([-w3 * db[1], w3 * db[0]])
 crank = bar(0.5, O, A, [va[0] / 2, va[1] / 2, w1])
 coupler = bar(1.0, A, B, [(va[0] + vb[0]) / 2, (va[1] + vb[1]) / 2, w2])
-rocker = bar(0.8, D, B, [vb[0] / 2, vb[1] / 2, w3])
+rocker = bar(0.8 * CHANGED["rocker_mass"], D, B, [vb[0] / 2, vb[1] / 2, w3])
 
 ground = mbs.AddObject(ObjectGround())
 ground_node = mbs.AddNode(NodePointGround())
@@ -60,7 +78,7 @@ for body, point in ((crank, O), (rocker, D)):
     mbs.AddObject(ObjectJointRevolute2D(markerNumbers=[on_ground, on_body]))
 fixed = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=ground_node, coordinate=0))
 angle = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=crank["node"], coordinate=2))
-mbs.AddObject(ObjectConnectorCoordinate(
+drive = mbs.AddObject(ObjectConnectorCoordinate(
     markerNumbers=[fixed, angle],
     offsetUserFunction=lambda mbs, t, item, offset: SPEED * t,
     offsetUserFunction_t=lambda mbs, t, item, offset: SPEED))
@@ -87,13 +105,13 @@ def contact(k):
     distance = sqrt(r[0]**2 + r[1]**2)
     n = r / distance if distance > 0 else np.zeros(2)
     t = np.array([-n[1], n[0]])
-    depth, rate = distance - CLEARANCE, float(n @ (vq - vp))
+    depth, rate = distance - CLEARANCE[k], float(n @ (vq - vp))
     if depth <= 0:
         return depth, rate, 0.0, 0.0, n, t
     v0 = max(latched[k] if latched[k] is not None else max(rate, 0.0), FLOOR)
-    normal = max(K * depth**1.5 * (1 + CHI * rate / v0), 0.0)
-    sliding = float(t @ (vq - vp)) + wj * R_J - wb * R_B
-    return depth, rate, normal, -MU * normal * tanh(sliding / V_R), n, t
+    normal = max(K[k] * depth**1.5 * (1 + CHI[k] * rate / v0), 0.0)
+    sliding = float(t @ (vq - vp)) + wj * R_J[k] - wb * R_B
+    return depth, rate, normal, -MU[k] * normal * tanh(sliding / V_R), n, t
 
 
 def force(k):
@@ -114,11 +132,21 @@ for k, (bearing, side_b, journal, side_j) in enumerate(JOINTS):
     markers = [mbs.AddMarker(MarkerBodyPosition(bodyNumber=b["body"], localPosition=[s * b["half"], 0, 0]))
                for b, s in ((bearing, side_b), (journal, side_j))]
     mbs.AddObject(ObjectConnectorCartesianSpringDamper(markerNumbers=markers, springForceUserFunction=force(k)))
-    for body, radius, sign in ((bearing, R_B, -1.0), (journal, R_J, 1.0)):
+    for body, radius, sign in ((bearing, R_B, -1.0), (journal, R_J[k], 1.0)):
         marker = mbs.AddMarker(MarkerBodyRigid(bodyNumber=body["body"]))
         mbs.AddLoad(LoadTorqueVector(markerNumber=marker, loadVectorUserFunction=torque(k, radius, sign)))
 
+def rub(mbs, t, load):
+    speed = mbs.GetNodeOutput(rocker["node"], exu.OutputVariableType.Coordinates_t)[2]
+    return [0.0, 0.0, -CHANGED["viscous"] * speed]
+
+
+if CHANGED["viscous"] != 0.0:
+    on_rocker = mbs.AddMarker(MarkerBodyRigid(bodyNumber=rocker["body"]))
+    mbs.AddLoad(LoadTorqueVector(markerNumber=on_rocker, loadVectorUserFunction=rub))
+
 rows = []
+log = []
 impacts = []  # joint, onset s, approach speed m/s, largest force N, separation s
 EVERY = round(2e-4 / STEP_S)
 count = 0
@@ -142,6 +170,10 @@ def before_step(mbs, t):
         a, b = contact(0), contact(1)
         state = [b["reference"] + mbs.GetNodeOutput(b["node"], exu.OutputVariableType.Coordinates)
                  for b in (crank, coupler, rocker)]
+        offset = end(coupler, 1)[0] - end(rocker, 1)[0]
+        # The force of the constraint acts against the drive.
+        torque_nm = -np.ravel(mbs.GetObjectOutput(drive, exu.OutputVariableType.Force))[0]
+        log.append([t, state[2][2], torque_nm, *offset])
         rows.append([t, a[2], b[2], state[1][0], state[1][1], state[1][2], state[2][2]])
     count += 1
     return True
@@ -159,6 +191,14 @@ settings.timeIntegration.newton.absoluteTolerance = 1e-9
 settings.timeIntegration.newton.numericalDifferentiation.forODE2 = False
 settings.solution.file.write = False
 mbs.SolveDynamic(settings, solverType=exu.DynamicSolverType.TrapezoidalIndex2)
+if SEED is not None:
+    noise = np.random.default_rng(int(SEED)).normal(size=(len(log), 4))
+    noise *= [ANGLE_NOISE_RAD, TORQUE_NOISE_NM, JOURNAL_NOISE_M, JOURNAL_NOISE_M]
+    with open(sys.argv[1], "w") as file:
+        file.write("t_s,shaft_angle_rad,drive_torque_nm,journal_y_m,journal_z_m\n")
+        for row, random in zip(log, noise):
+            file.write(f"{row[0]:.6g}," + ",".join(f"{v + n:.8g}" for v, n in zip(row[1:], random)) + "\n")
+    sys.exit()
 with open(sys.argv[1], "w") as file:
     file.write("contact,onset_s,approach_speed_m_s,peak_force_n,separation_s\n")
     for impact in impacts:

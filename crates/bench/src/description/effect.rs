@@ -13,6 +13,9 @@ pub struct Effect {
     /// Channel of the sensor, for sensor effects.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub channel: Option<Channel>,
+    /// Body or joint of a mechanism, for effects on one of its parts.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub of: Option<String>,
     /// Parameters by name. A missing parameter has its default, which is 0 for a size.
     #[serde(flatten)]
     pub parameters: BTreeMap<String, f64>,
@@ -29,16 +32,20 @@ pub enum Plant {
     Rotary,
     /// Driven axis of kind `linear`.
     Linear,
+    /// Mechanism with a log.
+    Mechanism,
 }
 
 impl Plant {
     /// Plants on which effects act, in the order of the documentation.
-    pub const ALL: &[Self] = &[Self::Planar, Self::TwoPlane, Self::Rotary, Self::Linear];
+    pub const ALL: &[Self] = &[Self::Planar, Self::TwoPlane, Self::Rotary, Self::Linear, Self::Mechanism];
 
     /// The transmission bench in either form.
     pub(crate) const TRANSMISSION: &[Self] = &[Self::Planar, Self::TwoPlane];
     /// A driven axis of either kind.
     pub(crate) const AXES: &[Self] = &[Self::Rotary, Self::Linear];
+    /// A mechanism alone.
+    pub(crate) const MECHANISM: &[Self] = &[Self::Mechanism];
 
     /// Name of the plant for messages.
     pub const fn description(self) -> &'static str {
@@ -47,6 +54,7 @@ impl Plant {
             Self::TwoPlane => "transmission bench with [two_plane]",
             Self::Rotary => "friction rig",
             Self::Linear => "linear axis",
+            Self::Mechanism => "mechanism with `[[measured]]`",
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Entry of the effect catalogue: plants, parameters with bounds and priors, and confounded
 //! effects.
 
-use crate::description::{Bench, FrictionRig, Plant, TransmissionBench};
+use crate::description::{Bench, Effect, FrictionRig, MechanismBench, Part, Plant, TransmissionBench};
 use crate::signals::{Channel, Sensor};
 
 /// Quantity of a log in which step and prior of a parameter are given.
@@ -136,13 +136,15 @@ pub(super) enum Apply {
     Transmission(fn(&mut TransmissionBench, &Values<'_>)),
     /// Action on a driven axis.
     Axis(fn(&mut FrictionRig, &Values<'_>)),
+    /// Action on a part of a mechanism, by its name.
+    Mechanism(Part, fn(&mut MechanismBench, &str, &Values<'_>)),
 }
 
 impl Apply {
-    pub(super) fn to(self, bench: &mut Bench, channel: Option<Channel>, values: &Values<'_>) {
+    pub(super) fn to(self, bench: &mut Bench, effect: &Effect, values: &Values<'_>) {
         match self {
             Self::Sensor(change) => {
-                if let Some(channel) = channel {
+                if let Some(channel) = effect.channel {
                     change(bench.sensors_mut().entry(channel).or_default(), values);
                 }
             }
@@ -154,6 +156,11 @@ impl Apply {
             Self::Axis(change) => {
                 if let Some(rig) = bench.axis_mut() {
                     change(rig, values);
+                }
+            }
+            Self::Mechanism(_, change) => {
+                if let (Bench::Mechanism(mechanism), Some(part)) = (bench, &effect.of) {
+                    change(mechanism, part, values);
                 }
             }
         }
@@ -222,6 +229,16 @@ impl EffectKind {
     /// Action on a plant; none if the effect does not act there.
     pub fn action(&self, plant: Plant) -> Option<&'static Action> {
         self.actions.iter().find(|action| action.plants.contains(&plant))
+    }
+
+    /// Names of the parts of a bench on which it may act; none if it acts on a sensor or on the
+    /// complete plant.
+    pub fn parts(&self, bench: &Bench) -> Option<Vec<String>> {
+        let action = bench.effect_plant().and_then(|plant| self.action(plant))?;
+        match (action.apply, bench) {
+            (Apply::Mechanism(part, _), Bench::Mechanism(mechanism)) => Some(mechanism.parts(part)),
+            _ => None,
+        }
     }
 
     /// Plants on which it acts, in the order of the documentation.

@@ -122,6 +122,17 @@ pub enum EffectError {
         /// Content allowed.
         expected: &'static str,
     },
+    /// An effect on a part of a mechanism names none, another effect names one, or there is no
+    /// such part.
+    #[error("effects: `{effect}` {found}; expected {expected}")]
+    Part {
+        /// Effect.
+        effect: String,
+        /// Content found.
+        found: String,
+        /// Content allowed.
+        expected: String,
+    },
     /// A value is outside its range.
     #[error("effects: `{effect}`.{parameter} is {found}; expected {min} to {max}")]
     OutOfRange {
@@ -151,6 +162,10 @@ impl EffectError {
             Self::Channel { effect, found, expected } => {
                 let found = format!("an effect that {found}");
                 ("channel", (entry(effect), found, (*expected).into()))
+            }
+            Self::Part { effect, found, expected } => {
+                let found = format!("an effect that {found}");
+                ("of", (entry(effect), found, expected.clone()))
             }
             Self::UnknownParameter { effect, parameter, expected } => {
                 let field = format!("{}.{parameter}", entry(effect));
@@ -213,6 +228,7 @@ impl Effect {
                 expected: if kind.is_per_channel() { "`channel = \"...\"`" } else { "none" },
             });
         }
+        errors.extend(self.part_error(kind, bench));
         for (name, &value) in &self.parameters {
             match known.iter().find(|p| p.name == name) {
                 None => errors.push(EffectError::UnknownParameter {
@@ -232,7 +248,43 @@ impl Effect {
                 Some(_) => {}
             }
         }
+        if errors.is_empty() {
+            errors.extend(self.clearance_error(bench));
+        }
         errors
+    }
+
+    /// Error of the part that the effect names, or does not name.
+    fn part_error(&self, kind: &EffectKind, bench: &Bench) -> Option<EffectError> {
+        let (found, expected) = match (kind.parts(bench), &self.of) {
+            (None, None) => return None,
+            (None, Some(_)) => ("names a part".into(), "no `of`".into()),
+            (Some(parts), Some(of)) if parts.contains(of) => return None,
+            (Some(parts), of) => {
+                let found = of.as_ref().map_or("names no part".into(), |of| format!("acts on no `{of}`"));
+                let expected = match parts.is_empty() {
+                    true => "a mechanism with a part on which it acts".into(),
+                    false => format!("`of`, one of {}", parts.join(", ")),
+                };
+                (found, expected)
+            }
+        };
+        Some(EffectError::Part { effect: self.name.clone(), found, expected })
+    }
+
+    /// Error of an effect that leaves a joint of a mechanism no clearance.
+    fn clearance_error(&self, bench: &Bench) -> Option<EffectError> {
+        if !matches!(bench, Bench::Mechanism(_)) {
+            return None;
+        }
+        let mut changed = bench.clone();
+        self.apply(&mut changed);
+        let has_clearances = matches!(&changed, Bench::Mechanism(changed) if changed.has_clearances());
+        (!has_clearances).then(|| EffectError::Part {
+            effect: self.name.clone(),
+            found: "leaves a joint no clearance".into(),
+            expected: "a clearance above 0".into(),
+        })
     }
 
     /// Applies the effect in place. The caller has checked it; on a plant where it does not act it
@@ -245,7 +297,7 @@ impl Effect {
         };
         let named = |name: &str| action.parameters.iter().find(|p| p.name == name).map_or(0.0, value);
         if action.parameters.iter().any(|p| p.is_size && value(p) != 0.0) {
-            action.apply.to(bench, self.channel, &named);
+            action.apply.to(bench, self, &named);
         }
     }
 }

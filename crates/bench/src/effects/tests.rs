@@ -11,7 +11,38 @@ use proptest::prelude::*;
 use std::collections::BTreeMap;
 
 /// Largest readings of the effort, in the order of [`Plant::ALL`].
-const LARGEST: [f64; 4] = [11.6e3, 11.6e3, 990.0, 150.0];
+const LARGEST: [f64; 5] = [11.6e3, 11.6e3, 990.0, 150.0, 30.0];
+
+/// A driven arm with play, and a driven crank on which a link hangs in a bearing with clearance.
+const MECHANISM: &str = r#"
+plant = "mechanism"
+run = { duration_s = 0.5, gravity_m_s2 = [0, -9.81], samples = 500 }
+body = [
+    { name = "arm", mass_kg = 1, from_m = [1, 0], to_m = [1, -0.2] },
+    { name = "crank", mass_kg = 1, from_m = [0, 0], to_m = [0.1, 0] },
+    { name = "link", mass_kg = 2, from_m = [0.1, -0.25e-3], to_m = [0.1, -0.2] },
+]
+joint = [
+    { kind = "revolute", first = "ground", second = "arm", at_m = [1, 0], drive_amplitude = 0.3,
+        drive_period_s = 0.25, backlash_m = 1e-3, flank_radius_m = 0.05, contact = "flank" },
+    { kind = "revolute", first = "ground", second = "crank", at_m = [0, 0], drive_stroke = 0.5,
+        drive_period_s = 0.25 },
+    { kind = "clearance", first = "crank", second = "link", at_m = [0.1, 0], offset_m = [0, -0.25e-3],
+        contact = "dry", bearing_radius_m = 0.01, clearance_m = 0.25e-3 },
+]
+contact = [
+    { name = "flank", dissipation = "flores", restitution = 0.5, coefficient = 1e9 },
+    { name = "dry", dissipation = "flores", restitution = 0.5, coulomb_coefficient = 0.1 },
+]
+measured = [
+    { channel = "shaft_angle_rad", of = "arm" },
+    { channel = "drive_torque_nm", of = "ground_crank" },
+    { channel = "journal_y_m", of = "crank_link" },
+    { channel = "journal_z_m", of = "crank_link" },
+    { channel = "bearing_force_y_n", of = "crank_link" },
+    { channel = "friction_torque_nm", of = "crank_link" },
+]
+"#;
 
 /// Returns a short bench of every plant, without noise.
 fn plant(plant: Plant) -> Bench {
@@ -20,6 +51,7 @@ fn plant(plant: Plant) -> Bench {
         Plant::Planar | Plant::TwoPlane => Bench::open("bench-b").unwrap(),
         Plant::Rotary => Bench::open("friction-rig").unwrap(),
         Plant::Linear => Bench::parse("linear", linear).unwrap(),
+        Plant::Mechanism => Bench::parse("mechanism", MECHANISM).unwrap(),
     };
     bench.sensors_mut().clear();
     match &mut bench {
@@ -64,10 +96,16 @@ fn effect(kind: &EffectKind, bench: &Bench, share: f64) -> Effect {
     }
     let channel =
         kind.is_per_channel().then_some(bench.axis().map_or(Channel::BearingForceY, |rig| rig.channels().2));
-    Effect { name: kind.name.into(), channel, parameters }
+    let of = kind.parts(bench).and_then(|parts| parts.last().cloned());
+    Effect { name: kind.name.into(), channel, of, parameters }
 }
 
 fn effort_or(bench: &Bench, kind: &EffectKind) -> Channel {
+    if let (Bench::Mechanism(_), "inertia-mismatch" | "viscous-friction" | "spring-effort") =
+        (bench, kind.name)
+    {
+        return Channel::DriveTorque;
+    }
     let on_bench = kind.shows_in.unwrap_or(Channel::BearingForceY);
     bench.axis().map_or(on_bench, |rig| rig.channels().2)
 }
@@ -198,4 +236,39 @@ fn the_energy_balance_closes_with_every_effect() {
         eprintln!("{}: {} steps, {:.1e}", kind.name, run.steps, run.energy_residual_rel);
         assert!(run.energy_residual_rel < 1e-7, "{}: {:?}", kind.name, run.energy);
     }
+}
+
+fn refused(text: &str) -> String {
+    Bench::parse("x.toml", &format!("{MECHANISM}{text}")).unwrap_err().to_string()
+}
+
+#[test]
+fn an_effect_on_a_mechanism_acts_on_a_named_part() {
+    let wear = "[[effects]]\nname = \"clearance-wear\"\nclearance_increase_m = 1e-4\n";
+    let message = refused(wear);
+    assert!(message.contains("names no part; expected `of`, one of crank_link"), "{message}");
+    let message = refused(&format!("{wear}of = \"ground_crank\"\n"));
+    assert!(message.contains("acts on no `ground_crank`; expected `of`, one of crank_link"), "{message}");
+    let sensor = "[[effects]]\nname = \"sensor-gain\"\nchannel = \"journal_y_m\"\nof = \"arm\"\n";
+    let message = refused(sensor);
+    assert!(message.contains("names a part; expected no `of`"), "{message}");
+    let tight = wear.replace("1e-4", "-3e-4") + "of = \"crank_link\"\n";
+    assert!(refused(&tight).contains("leaves a joint no clearance; expected a clearance above 0"));
+}
+
+#[test]
+fn an_effect_on_one_joint_leaves_the_laws_of_others() {
+    let text = MECHANISM.replace("contact = \"flank\"", "contact = \"dry\"");
+    let mut bench = Bench::parse("x.toml", &text).unwrap();
+    let entries = |bench: &Bench| match bench {
+        Bench::Mechanism(mechanism) => mechanism.contact.clone(),
+        _ => panic!("a mechanism"),
+    };
+    let before = entries(&bench);
+    let restitution = effect(kind("restitution").unwrap(), &bench, 1.0);
+    bench.effects_mut().push(restitution);
+    let after = entries(&bench.resolved());
+    assert_eq!(after[..before.len()], before);
+    assert!((after[before.len()].restitution - before[1].restitution - 0.1).abs() < 1e-12);
+    assert_eq!(after.len(), before.len() + 1);
 }

@@ -2,14 +2,16 @@
 //!
 //! Bearing: force `-c v` on the journal at the sliding speed `v`, `viscous_n_s_m` in N s/m (within
 //! 1e6, prior 1e4). Axis: effort `c` times its speed, `viscous_effort` in N s/m or N m s/rad
-//! (within 1e9, prior 3 times the log's rms effort over its rms speed). Newton's law of viscosity.
+//! (within 1e9, prior 3 times the log's rms effort over its rms speed). Pin of a mechanism: torque
+//! `c` times the relative speed of its bodies, `viscous_torque` in N m s/rad (0 to 1e9, prior 3
+//! times the drive's rms torque over its rms speed). Newton's law of viscosity.
 //! In a log: friction that follows the speed through zero, symmetric in both directions. Confounded
 //! with a delay or lag of a sinusoidal motion (both shift a force by a quarter of a period), with
 //! Stribeck friction of the opposite sign, and with asymmetric viscous friction if the motion is
 //! mostly in one direction.
 
 use super::kind::{Action, Apply, EffectKind, EffectParameter, Measure};
-use crate::description::Plant;
+use crate::description::{Part, Plant};
 use crate::signals::Channel;
 
 pub(super) const EFFECT: EffectKind = EffectKind {
@@ -36,6 +38,14 @@ pub(super) const EFFECT: EffectKind = EffectKind {
             )
             .in_log(Measure::Drag)],
             apply: Apply::Axis(|rig, parameter| rig.axis.viscous_effort += parameter("viscous_effort")),
+        },
+        Action {
+            plants: Plant::MECHANISM,
+            parameters: &[EffectParameter::size("viscous_torque", "N m s/rad", 1e-3, [0.0, 1e9], 3.0)
+                .in_log(Measure::Drag)],
+            apply: Apply::Mechanism(Part::Pin, |bench, joint, parameter| {
+                bench.add_torsion(joint, 0.0, parameter("viscous_torque"));
+            }),
         },
     ],
     ..EffectKind::DEFAULT

@@ -296,12 +296,22 @@ impl<'a> Structure<'a> {
                 let path = ["effects", &index, key.get_ref()];
                 self.note_line(&path, key.span().start);
                 let value = value.get_ref();
-                if path[2] == "channel" {
-                    if value.as_str().and_then(Channel::from_name).is_none() {
-                        self.refuse_unknown(&path, &found(value), &channels());
+                match path[2] {
+                    "channel" => {
+                        if value.as_str().and_then(Channel::from_name).is_none() {
+                            self.refuse_unknown(&path, &found(value), &channels());
+                        }
                     }
-                } else if number(value).is_none() {
-                    self.refuse(&path, &found(value), "a number".into(), Replacement::Nothing);
+                    "of" => {
+                        if !value.is_str() {
+                            let expected = "the name of a body or joint".into();
+                            self.refuse(&path, &found(value), expected, Replacement::Nothing);
+                        }
+                    }
+                    _ if number(value).is_none() => {
+                        self.refuse(&path, &found(value), "a number".into(), Replacement::Nothing);
+                    }
+                    _ => {}
                 }
             }
         }

@@ -2,7 +2,7 @@
 
 use super::error_bars::error_bars;
 use super::peaks::TIGHTER;
-use crate::description::{JointKind, JointSection, MechanismBench};
+use crate::description::{JointKind, JointSection, MechanismBench, distinct};
 use crate::integrate::IntegrationError;
 #[cfg(doc)]
 use crate::plants::mechanism::Snapshot;
@@ -101,7 +101,7 @@ impl MechanismBench {
     /// several contacts.
     pub fn contact_names(&self) -> Vec<String> {
         let of_joint = |joint: &JointSection| {
-            let (pair, count) = (format!("{}_{}", joint.first, joint.second), joint.contacts());
+            let (pair, count) = (joint.pair(), joint.contacts());
             (1..=count).map(move |n| if count == 1 { pair.clone() } else { format!("{pair}_{n}") })
         };
         distinct(self.joint.iter().flat_map(of_joint).collect())
@@ -149,31 +149,9 @@ impl MechanismBench {
         let drives = self.drives();
         let name = |joint: &JointSection| {
             let unit = if joint.kind == JointKind::Prismatic { "n" } else { "nm" };
-            (format!("{}_{}", joint.first, joint.second), unit)
+            (joint.pair(), unit)
         };
         let (names, units): (Vec<String>, Vec<&str>) = drives.map(name).unzip();
         distinct(names).into_iter().zip(units).collect()
-    }
-}
-
-/// Appends a number to names that occur before, so that all differ.
-fn distinct(names: Vec<String>) -> Vec<String> {
-    let mut all: Vec<String> = Vec::with_capacity(names.len());
-    for name in names {
-        let numbered = (2..).map(|n| format!("{name}_again_{n}"));
-        let free = std::iter::once(name.clone()).chain(numbered).find(|name| !all.contains(name));
-        all.push(free.unwrap_or(name));
-    }
-    all
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn names_that_repeat_get_a_number() {
-        let names = ["a_b", "a_b", "c", "a_b"].map(str::to_owned).to_vec();
-        assert_eq!(distinct(names), ["a_b", "a_b_again_2", "c", "a_b_again_3"]);
     }
 }

@@ -6,7 +6,8 @@ use crate::description::{JointKind, JointSection, MechanismBench, PlantDescripti
 use crate::integrate::IntegrationError;
 use crate::log::{LogError, MeasuredLog};
 use crate::plants::mechanism::Snapshot;
-use crate::signals::Profile;
+use crate::signals::{Motion, Profile};
+use core::f64::consts::TAU;
 
 /// Number of simulated intervals per sample.
 const FINENESS: usize = 8;
@@ -16,6 +17,17 @@ impl MechanismBench {
     fn log_times_s(&self) -> Vec<f64> {
         let count = self.run.samples;
         (0..count).map(|i| self.run.duration_s * f64::from(i) / f64::from(count)).collect()
+    }
+
+    /// Motion of the first drive at the times of a log; the angle of one that turns within a turn.
+    fn first_drive(&self, time_s: &[f64]) -> Profile {
+        let drive = self.joint.iter().find(|joint| joint.is_driven());
+        let node = |time_s: &f64| {
+            let motion = drive.map(|joint| joint.motion().at(*time_s)).unwrap_or_default();
+            let turns = drive.is_some_and(|j| j.kind == JointKind::Revolute && j.drive_speed.is_some());
+            Motion { value: if turns { motion.value.rem_euclid(TAU) } else { motion.value }, ..motion }
+        };
+        Profile::Curve { time_s: time_s.to_vec(), nodes: time_s.iter().map(node).collect() }
     }
 
     /// True signals of all measured channels.
@@ -62,9 +74,9 @@ impl LoggedPlant for MechanismBench {
             let expected = "t_s from 0, the start of a mechanism, on".into();
             return Err(LogError::Content { file, found, expected });
         }
-        let still = || Profile::Cycles { stroke: 0.0, period_s: 1.0, cycles: 0.0 };
+        let still = Profile::Cycles { stroke: 0.0, period_s: 1.0, cycles: 0.0 };
         let outputs = self.outputs(log).into_iter().filter(|channel| self.simulates(*channel)).collect();
-        Ok(Inputs::from_profiles(log, outputs, (still(), still()), FINENESS))
+        Ok(Inputs::from_profiles(log, outputs, (self.first_drive(&log.time_s), still), FINENESS))
     }
 
     fn respond(&self, inputs: &Inputs, _: bool) -> Result<Truth, IntegrationError> {

@@ -12,6 +12,7 @@ fn clean_logs_have_no_wrong_channels() {
     let effect = |name: &str, channel: Option<Channel>, parameters: &[(&str, f64)]| Effect {
         name: name.into(),
         channel,
+        of: None,
         parameters: parameters.iter().map(|(n, v)| ((*n).to_owned(), *v)).collect::<BTreeMap<_, _>>(),
     };
     // Every effect of the catalogue at three times its scale, and two larger sensor errors.
@@ -35,7 +36,7 @@ fn clean_logs_have_no_wrong_channels() {
         } else {
             parameters
         };
-        effects.push(Effect { name: kind.name.into(), channel, parameters });
+        effects.push(Effect { name: kind.name.into(), channel, of: None, parameters });
     }
     effects.push(effect("sensor-gain", Some(Channel::JournalY), &[("relative_change", 0.05)]));
     effects.push(effect("sensor-delay", Some(Channel::ShaftSpeed), &[("delay_s", 1e-3)]));

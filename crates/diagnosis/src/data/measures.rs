@@ -1,12 +1,13 @@
 //! Quantities of the logs of an axis in which steps and priors of effects are given.
 
-use super::logs::Data;
+use super::logs::{Block, Data};
+use crate::statistics::limits;
 use bench::description::FrictionRig;
 use bench::effects::Measure;
 use bench::{Bench, Channel};
 
-/// Effort and motion of the logs of a driven axis; 1 on other benches, whose effects have steps and
-/// priors in their own units.
+/// Effort and motion of the logs of a driven axis, or of the first drive of a mechanism; 1 on other
+/// benches, whose effects have steps and priors in their own units.
 #[derive(Clone, Copy)]
 pub(crate) struct Measures {
     /// Largest rms of a measured effort, N or N m.
@@ -32,19 +33,7 @@ pub(crate) struct Measures {
 impl Measures {
     /// The quantities over all samples of the logs. A quantity without a positive value is 1.
     pub(crate) fn new(bench: &Bench, data: &Data) -> Self {
-        let Some(rig) = bench.axis() else {
-            return Self {
-                effort: 1.0,
-                travel: [0.0; 2],
-                half_range: 1.0,
-                speed: 1.0,
-                largest_speed: 1.0,
-                largest_load: 0.0,
-                effort_per_load: 1.0,
-                load_gain: 1.0,
-                friction_radius: 1.0,
-            };
-        };
+        let Some(rig) = bench.axis() else { return Self::without_axis(bench, data) };
         let is_effort = |channel: Channel| {
             rig.forward().is_none() || channel == rig.channels().2 || channel == Channel::FrictionTorque
         };
@@ -75,6 +64,35 @@ impl Measures {
             largest_load: data.logs.iter().flat_map(|log| &log.load).fold(0.0, |max, f| max.max(f.abs())),
             load_gain: positive(effort / load),
             friction_radius: positive(rig.axis.friction_radius_m),
+        }
+    }
+
+    /// The quantities of a bench that is no axis.
+    fn without_axis(bench: &Bench, data: &Data) -> Self {
+        let ones = Self {
+            effort: 1.0,
+            travel: [0.0; 2],
+            half_range: 1.0,
+            speed: 1.0,
+            largest_speed: 1.0,
+            largest_load: 0.0,
+            effort_per_load: 1.0,
+            load_gain: 1.0,
+            friction_radius: 1.0,
+        };
+        let efforts = [Channel::DriveTorque, Channel::DriveForce];
+        let is_driven = |block: &&Block| efforts.contains(&block.channel);
+        let measured =
+            || data.blocks.iter().filter(is_driven).flat_map(|block| block.measured.iter().copied());
+        if !matches!(bench, Bench::Mechanism(_)) || measured().next().is_none() {
+            return ones;
+        }
+        let (lowest, highest) = limits(data.logs.iter().flat_map(|log| log.position.iter().copied()));
+        Self {
+            effort: positive(finite_rms(measured())),
+            half_range: positive(0.5 * (highest - lowest)),
+            speed: positive(finite_rms(data.logs.iter().flat_map(|log| log.speed.iter().copied()))),
+            ..ones
         }
     }
 

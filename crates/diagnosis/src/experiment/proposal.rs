@@ -38,6 +38,9 @@ pub struct Separation {
     /// Sensor, for sensor effects.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub channel: Option<Channel>,
+    /// Body or joint, for effects on a part of a mechanism.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub of: Option<String>,
     /// Chi-square that remains if all parameters of the effect are adjusted to imitate the cause.
     pub chi_square: f64,
 }
@@ -63,7 +66,7 @@ pub struct Experiment {
 }
 
 /// A cause, the model that it was fitted in, and its scaled parameters.
-pub(crate) type Cause<'a> = (Candidate, &'a Model, &'a [f64]);
+pub(crate) type Cause<'a> = (&'a Candidate, &'a Model, &'a [f64]);
 
 /// Proposes the experiment that best separates `best` from every contender that fits as well.
 pub(crate) fn propose(bench: &Bench, data: &Data, stage: &Stage, best: Cause<'_>) -> Option<Experiment> {
@@ -101,6 +104,7 @@ pub(crate) fn propose(bench: &Bench, data: &Data, stage: &Stage, best: Cause<'_>
             .map(|(o, chi_square)| Separation {
                 effect: o.candidate.kind.name.into(),
                 channel: o.candidate.channel,
+                of: o.candidate.part(),
                 chi_square,
             })
             .collect(),

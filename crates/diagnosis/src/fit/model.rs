@@ -17,6 +17,7 @@ use bench::description::{AxisKind, FrictionRig};
 use bench::effects::{Effect, EffectKind, EffectParameter, Guess, Measure};
 use bench::{Bench, Channel};
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// Initial guess of a parameter, with a step that is small compared with the width of its optimum.
 #[derive(Clone, Copy)]
@@ -28,16 +29,23 @@ pub(crate) struct InitialGuess {
     pub(crate) parameter: Option<&'static str>,
 }
 
-/// An effect of the catalogue, on a sensor or on the plant.
-#[derive(Clone, Copy)]
+/// An effect of the catalogue, on a sensor, on the plant or on a part of it.
+#[derive(Clone)]
 pub(crate) struct Candidate {
     pub(crate) kind: &'static EffectKind,
     pub(crate) channel: Option<Channel>,
+    /// Part of a mechanism.
+    pub(crate) of: Option<Arc<str>>,
     /// Guess of its shape, or of its size if the catalogue requires one.
     pub(crate) guess: Option<InitialGuess>,
 }
 
 impl Candidate {
+    /// Name of the part of a mechanism on which it acts.
+    pub(crate) fn part(&self) -> Option<String> {
+        self.of.as_deref().map(str::to_owned)
+    }
+
     /// Returns whether the size is guessed.
     pub(crate) fn guesses_size(&self) -> bool {
         self.kind.guess == Guess::LargestReading
@@ -46,7 +54,7 @@ impl Candidate {
 
 impl PartialEq for Candidate {
     fn eq(&self, other: &Self) -> bool {
-        self.kind.name == other.kind.name && self.channel == other.channel
+        self.kind.name == other.kind.name && self.channel == other.channel && self.of == other.of
     }
 }
 
@@ -136,6 +144,7 @@ impl Model {
         model.bench.effects_mut().push(Effect {
             name: candidate.kind.name.into(),
             channel: candidate.channel,
+            of: candidate.part(),
             parameters: BTreeMap::new(),
         });
         for p in candidate.kind.parameters(&self.bench) {
@@ -198,7 +207,7 @@ impl Model {
         for which in order {
             let Some(candidate) = fitted.effects.get(which) else { continue };
             values.extend(fitted.effect_parameters(which).iter().filter_map(|&i| z.get(i)));
-            model = model.with_effect(*candidate, noise);
+            model = model.with_effect(candidate.clone(), noise);
         }
         (model, values)
     }
@@ -256,12 +265,15 @@ impl Model {
     }
 
     /// Returns whether a bench can be like this: mass, dry and viscous friction of an axis are not
-    /// negative, beyond a small share of the log's effort.
+    /// negative, beyond a small share of the log's effort, and joints of a mechanism have clearance.
     ///
     /// The bounds of a single effect cannot exclude it, because description, calibration and
     /// effects add up.
     pub(crate) fn is_possible(&self, z: &[f64]) -> bool {
         let resolved = self.at(z).common.resolved();
+        if let Bench::Mechanism(mechanism) = &resolved {
+            return mechanism.has_clearances();
+        }
         resolved.axis().is_none_or(|rig| {
             let axis = &rig.axis;
             let numbers = [

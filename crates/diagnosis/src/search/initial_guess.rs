@@ -29,7 +29,7 @@ pub(crate) fn with_guesses(
     for candidate in candidates {
         let guesses: Vec<InitialGuess> = match candidate.kind.guess {
             Guess::Defaults => {
-                out.push(*candidate);
+                out.push(candidate.clone());
                 magnitudes(base, candidate)
             }
             Guess::Onset(reference) => onset(data, noise, base, reference)?.into_iter().collect(),
@@ -37,7 +37,7 @@ pub(crate) fn with_guesses(
             Guess::Wavelength => wavelengths(data, base),
             Guess::LargestReading => largest_reading(data, candidate).into_iter().collect(),
         };
-        out.extend(guesses.into_iter().map(|g| Candidate { guess: Some(g), ..*candidate }));
+        out.extend(guesses.into_iter().map(|g| Candidate { guess: Some(g), ..candidate.clone() }));
     }
     Ok(out)
 }
@@ -83,7 +83,7 @@ fn onset(
     reference: &str,
 ) -> Result<Option<InitialGuess>, RespondError> {
     let Some(kind) = kind(reference) else { return Ok(None) };
-    let model = base.model.with_effect(Candidate { kind, channel: None, guess: None }, noise);
+    let model = base.model.with_effect(Candidate { kind, channel: None, of: None, guess: None }, noise);
     let place = base.model.parameters.len();
     if model.parameters.len() != place + 1 {
         return Ok(None);

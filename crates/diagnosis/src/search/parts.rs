@@ -93,7 +93,7 @@ impl PartSearch<'_> {
     ) -> Result<Set, RespondError> {
         let start = set.0.effects.len();
         let plain: Vec<Candidate> =
-            self.candidates.iter().filter(|c| !self.nominal.has_shape(c)).copied().collect();
+            self.candidates.iter().filter(|c| !self.nominal.has_shape(c)).cloned().collect();
         while set.0.effects.len() < tuning::MAX_PARTS {
             let compared = self.compare(&set, None, self.candidates)?;
             let firsts = likely_sets(compared.contenders.iter().filter(|c| plain.contains(&c.candidate)));
@@ -118,13 +118,13 @@ impl PartSearch<'_> {
     ) -> Result<Vec<Stage>, RespondError> {
         let mut settled: Vec<Stage> = Vec::new();
         for _ in 0..tuning::MAX_PART_STAGES {
-            let Some(own) = set.0.effects.first().copied() else { break };
+            let Some(own) = set.0.effects.first().cloned() else { break };
             let fitted = (&set.0, set.1.as_slice());
             let later = 1..set.0.effects.len();
             let others = self.nominal.with_effects_of(fitted, later.clone(), self.floors);
             let complete = self.nominal.with_effects_of(fitted, later.chain([0]), self.floors);
-            let only = [own];
-            let candidates = if self.held.contains(&own) { &only } else { self.candidates };
+            let only = std::slice::from_ref(&own);
+            let candidates = if self.held.contains(&own) { only } else { self.candidates };
             let compared = self.compare(&others, Some(complete), candidates)?;
             let stage = compared.first_kept(self.views, self.floors, is_kept)?;
             match stage.contenders.first() {

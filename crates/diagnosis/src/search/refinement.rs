@@ -32,7 +32,7 @@ fn moves_parameter_at_bound(base: &Fit, noise: &NoiseModel, candidate: &Candidat
     if !at_bound.contains(&true) {
         return false;
     }
-    let model = base.model.with_effect(*candidate, noise);
+    let model = base.model.with_effect(candidate.clone(), noise);
     let mut z = base.z.clone();
     z.resize(model.parameters.len(), 0.0);
     let is_at_bound = |i: usize| model.alias(&z, i).and_then(|(own, _)| at_bound.get(own).copied());
@@ -112,7 +112,7 @@ fn search_and_refine(
     let far = near.split_off(near.iter().take(tuning::MAX_FULL_FITS).take_while(is_near).count());
     let simulated_base = simulate(first_cycle, &base.model.at(&base.z), None)?;
     let residual = noise.stack(first_cycle, &first_cycle.residual(&simulated_base.columns));
-    let fall = |f: &Fit| Some((*f.model.effects.last()?, dot(&residual, &residual) - f.objective));
+    let fall = |f: &Fit| Some((f.model.effects.last()?.clone(), dot(&residual, &residual) - f.objective));
     let others = far.iter().filter_map(fall).collect();
     let rough: Result<Vec<Fit>, RespondError> =
         near.into_par_iter().map(|f| fit_from(data, noise, f.model, f.z, None, Effort::ROUGH)).collect();
@@ -131,7 +131,7 @@ fn search_sizes(
     candidates: &[&Score],
 ) -> Result<Vec<Fit>, RespondError> {
     let origin = Origin::new(few, noise, base)?;
-    let search = |s: &&Score| Ok((s.candidate, origin.search(base, s)?));
+    let search = |s: &&Score| Ok((s.candidate.clone(), origin.search(base, s)?));
     let found: Result<Vec<_>, RespondError> = candidates.par_iter().map(search).collect();
     let mut found = found?;
     found.retain(|(_, (_, objective))| objective.is_finite());

@@ -47,10 +47,13 @@ pub(crate) fn candidates(bench: &Bench, data: &Data, excluded: &[String]) -> Vec
         if kind.parameters(bench).is_empty() {
             continue;
         }
+        let plain = Candidate { kind, channel: None, of: None, guess: None };
         if kind.is_per_channel() {
-            out.extend(data.channels.iter().map(|&c| Candidate { kind, channel: Some(c), guess: None }));
+            out.extend(data.channels.iter().map(|&c| Candidate { channel: Some(c), ..plain.clone() }));
+        } else if let Some(parts) = kind.parts(bench) {
+            out.extend(parts.into_iter().map(|part| Candidate { of: Some(part.into()), ..plain.clone() }));
         } else {
-            out.push(Candidate { kind, channel: None, guess: None });
+            out.push(plain);
         }
     }
     out
@@ -74,7 +77,7 @@ pub(crate) fn scores(
     let mut seen: Vec<Candidate> = Vec::with_capacity(scores.len());
     scores.retain(|s| {
         let is_first = !seen.contains(&s.candidate);
-        seen.push(s.candidate);
+        seen.push(s.candidate.clone());
         is_first
     });
     Ok(scores)
@@ -96,7 +99,7 @@ impl Score {
         candidate: &Candidate,
     ) -> Result<Option<Self>, RespondError> {
         let nominal = base.model.parameters.len();
-        let model = base.model.with_effect(*candidate, noise);
+        let model = base.model.with_effect(candidate.clone(), noise);
         // At size 0 a shape has no effect.
         let is_size = |i: &usize| model.parameters.get(*i).is_some_and(Parameter::is_size);
         let sizes: Vec<usize> = (nominal..model.parameters.len()).filter(is_size).collect();
@@ -134,7 +137,7 @@ impl Score {
         for (&i, &b) in sizes.iter().zip(estimate.iter()) {
             own[i - nominal] = b;
         }
-        Ok(Some(Self { candidate: *candidate, evidence, estimate: own, signature, shadow }))
+        Ok(Some(Self { candidate: candidate.clone(), evidence, estimate: own, signature, shadow }))
     }
 }
 
@@ -193,7 +196,7 @@ pub(crate) fn rough_refit(
     base: &Fit,
     score: &Score,
 ) -> Result<Fit, RespondError> {
-    let model = base.model.with_effect(score.candidate, noise);
+    let model = base.model.with_effect(score.candidate.clone(), noise);
     let mut z = base.z.clone();
     z.extend(&score.estimate);
     for (z, p) in z.iter_mut().zip(&model.parameters) {

@@ -109,9 +109,10 @@ fn select_pair(
 }
 
 /// Effects of the best contender of a stage, sorted by name.
-fn cause_set(stage: &Stage) -> Vec<(&'static str, Option<Channel>)> {
+fn cause_set(stage: &Stage) -> Vec<(&'static str, Option<Channel>, Option<&str>)> {
     let chosen = stage.contenders.first().map(|c| &c.fit.model.effects);
-    let mut causes: Vec<_> = chosen.into_iter().flatten().map(|c| (c.kind.name, c.channel)).collect();
+    let mut causes: Vec<_> =
+        chosen.into_iter().flatten().map(|c| (c.kind.name, c.channel, c.of.as_deref())).collect();
     causes.sort_unstable();
     causes
 }

@@ -86,7 +86,7 @@ struct Start {
 
 impl<'a> Trial<'a> {
     fn new(origin: &'a Origin<'a>, base: &Fit, score: &Score) -> Self {
-        let model = base.model.with_effect(score.candidate, origin.noise);
+        let model = base.model.with_effect(score.candidate.clone(), origin.noise);
         let parameters = score.candidate.kind.parameters(&base.model.at(&base.z).common);
         let count = parameters.iter().filter(|p| p.is_size).count();
         let largest = score.estimate.iter().fold(0.0_f64, |m, b| m.max(b.abs()));

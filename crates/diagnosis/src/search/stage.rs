@@ -120,13 +120,13 @@ pub(crate) fn run_stage(
     incumbent: Option<(Model, Vec<f64>)>,
 ) -> Result<Stage, RespondError> {
     let data = &views.fitted;
-    let addable: Vec<Candidate> = candidates.iter().filter(|c| !model.effects.contains(c)).copied().collect();
+    let addable: Vec<Candidate> = candidates.iter().filter(|c| !model.effects.contains(c)).cloned().collect();
     let mut start = start.to_vec();
     let mut round = 0;
     let mut is_resumed = false;
     // Model and parameters of the best candidate of the last round. With other noise other
     // candidates may be refined, and the best one must not be lost.
-    let own = incumbent.as_ref().and_then(|(model, _)| model.effects.last().copied());
+    let own = incumbent.as_ref().and_then(|(model, _)| model.effects.last().cloned());
     let mut best_so_far: Option<(Model, Vec<f64>)> = None;
     loop {
         round += 1;
@@ -188,7 +188,7 @@ impl Round {
         fits.retain(|f| is_plausible(data, f));
         let contender = |fit: Fit| {
             let added = fit.model.parameters.len() - base.model.parameters.len();
-            let candidate = *fit.model.effects.last()?;
+            let candidate = fit.model.effects.last()?.clone();
             let bic = fit.objective + bic_penalty(added, data, noise);
             let evidence = base.objective - fit.objective;
             Some(Contender { candidate, fit, evidence, probability: 0.0, correlation: 0.0, bic })

@@ -31,6 +31,9 @@ pub struct Cause {
     /// Sensor, for sensor effects.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub channel: Option<Channel>,
+    /// Body or joint, for effects on a part of a mechanism.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub of: Option<String>,
     /// Posterior probability that it is a cause, alone or with another one.
     pub probability: f64,
     /// Its parameters.
@@ -49,6 +52,9 @@ pub struct EquivalentEffect {
     /// Sensor, for sensor effects.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub channel: Option<Channel>,
+    /// Body or joint, for effects on a part of a mechanism.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub of: Option<String>,
     /// Posterior probability.
     pub probability: f64,
     /// Correlation of its projected signature with that of the named effect.
@@ -61,6 +67,7 @@ impl EquivalentEffect {
         Self {
             effect: contender.candidate.kind.name.into(),
             channel: contender.candidate.channel,
+            of: contender.candidate.part(),
             probability: known * contender.probability,
             correlation: contender.correlation,
         }
@@ -71,7 +78,7 @@ impl EquivalentEffect {
 pub(crate) fn causes(data: &Data, explanation: &Explanation, known: f64) -> Vec<Cause> {
     let (noise, extended) = (&explanation.noise, &explanation.residual);
     let cause = |which: usize| {
-        let (candidate, probability) = explanation.causes[which];
+        let (candidate, probability) = &explanation.causes[which];
         let parameters = explanation.model.effect_parameters(which).into_iter().map(|i| {
             let (p, half) = (&explanation.model.parameters[i], Z_95 * explanation.deviations[i]);
             ParameterEstimate {
@@ -84,6 +91,7 @@ pub(crate) fn causes(data: &Data, explanation: &Explanation, known: f64) -> Vec<
         Cause {
             effect: candidate.kind.name.into(),
             channel: candidate.channel,
+            of: candidate.part(),
             probability: known * probability,
             parameters: parameters.collect(),
             gain: explanation.without.get(which).map_or_else(Vec::new, |w| gains(data, noise, w, extended).0),

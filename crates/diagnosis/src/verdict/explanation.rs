@@ -94,7 +94,7 @@ pub(crate) fn explanations(
     let calibrated = out.first().map(|e| e.residual.clone()).unwrap_or_default();
     for (k, stage) in selection.stages().enumerate().filter(|(_, stage)| stage.has_cause) {
         let Some(best) = stage.contenders.first() else { break };
-        causes.push((best.candidate, best.probability));
+        causes.push((best.candidate.clone(), best.probability));
         let mut without: Vec<Columns> = out.last().map(|e| e.residual.clone()).into_iter().collect();
         if let [(_, first_probability), _] = causes.as_mut_slice() {
             let second_alone = fit_second_alone(data, &stage.noise, nominal, best)?;

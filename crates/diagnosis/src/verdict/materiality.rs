@@ -72,7 +72,7 @@ pub(crate) fn without_immaterial(
         let change = largest_change(data, floors, without, &explanation.residual);
         match note(&cause_with_parameters(explanation, which), change) {
             Some(note) => notes.push(note),
-            None => others.push(*candidate),
+            None => others.push(candidate.clone()),
         }
     }
     let has_others = |k: &usize| explanations[*k].causes.iter().map(|(c, _)| c).eq(&others);

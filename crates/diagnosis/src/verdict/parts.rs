@@ -86,11 +86,11 @@ impl Parts {
         if free.as_ref().is_none_or(|parts| parts.verdict != Verdict::Partial) {
             return Ok(free);
         }
-        let held: Vec<Candidate> = accepted.causes.iter().map(|(cause, _)| *cause).collect();
+        let held: Vec<Candidate> = accepted.causes.iter().map(|(cause, _)| cause.clone()).collect();
         let (model, z, deviations) = (&accepted.model, &accepted.z, &accepted.deviations);
         let sizes = model.effects.iter().enumerate();
         let clear = sizes.filter(|(i, _)| has_clear_size(model, z, deviations, *i));
-        let clear: Vec<Candidate> = clear.map(|(_, cause)| *cause).collect();
+        let clear: Vec<Candidate> = clear.map(|(_, cause)| cause.clone()).collect();
         let is_kept_beside = |stage: &Stage| Ok(is_kept(stage)? && are_clear(search.views, stage, &clear));
         let search = PartSearch { held: &held, ..*search };
         Self::best(&search, start(), (calibrated, accepted), &is_kept_beside)
@@ -125,7 +125,8 @@ impl Parts {
         stages: Vec<Stage>,
         (calibrated, accepted): (&Explanation, &Explanation),
     ) -> Result<Option<Self>, RespondError> {
-        let causes = stages.iter().filter_map(|s| s.contenders.first()).map(|c| (c.candidate, c.probability));
+        let causes =
+            stages.iter().filter_map(|s| s.contenders.first()).map(|c| (c.candidate.clone(), c.probability));
         let causes: Vec<(Candidate, f64)> = causes.collect();
         let without: Result<Vec<Columns>, RespondError> =
             stages.iter().map(|s| all_residuals(&views.all, &s.noise, &s.base)).collect();

@@ -63,19 +63,19 @@ pub(crate) fn posterior_shares(
     let mut hypotheses = Vec::new();
     match (&selection.second, first.contenders.first()) {
         (Some(second), Some(earlier)) if accepted > 1 => {
-            let (remaining, earlier) = (known - none, earlier.candidate);
+            let (remaining, earlier) = (known - none, &earlier.candidate);
             add(&mut hypotheses, &[earlier], remaining * base_probability(second));
             for (place, c) in second.contenders.iter().enumerate() {
                 let beside = if place == 0 { earlier_probability(reported, earlier) } else { 1.0 };
-                add(&mut hypotheses, &[earlier, c.candidate], remaining * c.probability * beside);
+                add(&mut hypotheses, &[earlier, &c.candidate], remaining * c.probability * beside);
                 if beside < 1.0 {
-                    add(&mut hypotheses, &[c.candidate], remaining * c.probability * (1.0 - beside));
+                    add(&mut hypotheses, &[&c.candidate], remaining * c.probability * (1.0 - beside));
                 }
             }
         }
         _ => {
             for c in &first.contenders {
-                add(&mut hypotheses, &[c.candidate], known * c.probability);
+                add(&mut hypotheses, &[&c.candidate], known * c.probability);
             }
         }
     }
@@ -106,12 +106,13 @@ fn base_probability(stage: &Stage) -> f64 {
 }
 
 /// Probability of the earlier cause beside the best later one; 0 if it was dropped.
-fn earlier_probability(reported: &Explanation, earlier: Candidate) -> f64 {
-    reported.causes.iter().find(|(c, _)| *c == earlier).map_or(0.0, |(_, p)| *p)
+fn earlier_probability(reported: &Explanation, earlier: &Candidate) -> f64 {
+    reported.causes.iter().find(|(c, _)| c == earlier).map_or(0.0, |(_, p)| *p)
 }
 
-fn add(hypotheses: &mut Vec<Hypothesis>, candidates: &[Candidate], probability: f64) {
-    hypotheses.push(Hypothesis { causes: candidates.iter().map(EffectName::from).collect(), probability });
+fn add(hypotheses: &mut Vec<Hypothesis>, candidates: &[&Candidate], probability: f64) {
+    hypotheses
+        .push(Hypothesis { causes: candidates.iter().copied().map(EffectName::from).collect(), probability });
 }
 
 /// Fall of chi-square by the best free-form model of one or more channels, less its BIC penalty;

@@ -14,6 +14,9 @@ pub struct RankedCandidate {
     /// Sensor, for sensor effects.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub channel: Option<Channel>,
+    /// Body or joint, for effects on a part of a mechanism.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub of: Option<String>,
     /// Fall of chi-square relative to the bench without the candidate, after the joint refit.
     pub evidence: f64,
     /// Posterior probability.
@@ -28,6 +31,7 @@ pub(crate) fn ranking(stage: &Stage, known: f64) -> Vec<RankedCandidate> {
     let refitted = stage.contenders.iter().map(|c: &Contender| RankedCandidate {
         effect: c.candidate.kind.name.into(),
         channel: c.candidate.channel,
+        of: c.candidate.part(),
         evidence: c.evidence,
         probability: known * c.probability,
         refitted: true,
@@ -35,6 +39,7 @@ pub(crate) fn ranking(stage: &Stage, known: f64) -> Vec<RankedCandidate> {
     let searched = stage.others.iter().map(|(candidate, evidence)| RankedCandidate {
         effect: candidate.kind.name.into(),
         channel: candidate.channel,
+        of: candidate.part(),
         evidence: *evidence,
         probability: 0.0,
         refitted: false,

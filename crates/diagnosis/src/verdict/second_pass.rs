@@ -74,6 +74,7 @@ mod tests {
         let cause = Cause {
             effect: effect.into(),
             channel,
+            of: None,
             probability: 1.0,
             parameters: vec![parameter],
             gain: Vec::new(),

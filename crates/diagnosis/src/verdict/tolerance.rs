@@ -135,7 +135,7 @@ impl OutOfTolerance {
             causes.push((candidate, *probability));
             names.push(name.clone());
         }
-        let Some(&(candidate, _)) = causes.last() else { return Ok(None) };
+        let Some((candidate, _)) = causes.last().cloned() else { return Ok(None) };
         let without = |dropped: Option<usize>| -> Result<Fit, RespondError> {
             let retained = (0..causes.len()).filter(|i| dropped.is_some_and(|d| d != *i));
             let (model, z) = model.without_effects().with_effects_of((&model, &z), retained, floors);
@@ -178,13 +178,18 @@ impl OutOfTolerance {
             Ok(EquivalentEffect {
                 effect: c.candidate.kind.name.into(),
                 channel: c.candidate.channel,
+                of: c.candidate.part(),
                 probability: beyond * own_share * odds(c),
                 correlation: self.correlation(data, &c.fit)?,
             })
         };
         let equivalents: Vec<EquivalentEffect> =
             rivals.iter().map(report).collect::<Result<_, RespondError>>()?;
-        let name = |e: &EquivalentEffect| EffectName { effect: e.effect.clone(), channel: e.channel };
+        let name = |e: &EquivalentEffect| EffectName {
+            effect: e.effect.clone(),
+            channel: e.channel,
+            of: e.of.clone(),
+        };
         let mut hypotheses: Vec<Hypothesis> = equivalents
             .iter()
             .map(|e| Hypothesis { causes: vec![name(e)], probability: e.probability })
@@ -234,8 +239,8 @@ fn with_change_of(
     floors: &NoiseModel,
 ) -> Option<(Model, Vec<f64>, Candidate)> {
     let number = model.parameters.iter().position(|p| p.is_nominal() && p.name() == name)?;
-    candidates.iter().filter(|c| !model.effects.contains(c)).find_map(|&candidate| {
-        let extended = model.with_effect(candidate, floors);
+    candidates.iter().filter(|c| !model.effects.contains(c)).find_map(|candidate| {
+        let extended = model.with_effect(candidate.clone(), floors);
         let [own] = extended.effect_parameters(model.effects.len())[..] else { return None };
         let mut start = z.to_vec();
         start.resize(extended.parameters.len(), 0.0);
@@ -245,6 +250,6 @@ fn with_change_of(
             return None;
         }
         let (without, values) = extended.without_number(number, values);
-        Some((without, values, candidate))
+        Some((without, values, candidate.clone()))
     })
 }

@@ -78,7 +78,7 @@ fn coverage(
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let parameters: BTreeMap<String, f64> =
             draw(&mut rng).into_iter().map(|(n, v)| (n.to_owned(), v)).collect();
-        let truth = Effect { name: name.into(), channel: None, parameters };
+        let truth = Effect { name: name.into(), channel: None, of: None, parameters };
         let d = diagnosed(&bench, &logs(&bench, &truth, colour, count, &mut rng), &[name]);
         let Some(cause) = d.causes.first() else {
             unnamed += 1;

@@ -17,7 +17,7 @@ fn found(d: &Diagnosis, name: &str) -> f64 {
 
 fn shaped(name: &str, parameters: &[(&str, f64)]) -> Effect {
     let parameters = parameters.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect();
-    Effect { name: name.into(), channel: None, parameters }
+    Effect { name: name.into(), channel: None, of: None, parameters }
 }
 
 #[test]

@@ -164,6 +164,7 @@ fn warming() -> Effect {
     Effect {
         name: "thermal-friction-drift".into(),
         channel: None,
+        of: None,
         parameters: parameters.map(|(name, value)| (name.to_owned(), value)).into(),
     }
 }

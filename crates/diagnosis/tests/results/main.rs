@@ -22,7 +22,7 @@ use diagnosis::{Diagnosis, Options, diagnose};
 
 /// An effect with one parameter.
 fn effect(name: &str, channel: Option<Channel>, parameter: &str, value: f64) -> Effect {
-    Effect { name: name.into(), channel, parameters: [(parameter.to_owned(), value)].into() }
+    Effect { name: name.into(), channel, of: None, parameters: [(parameter.to_owned(), value)].into() }
 }
 
 /// A bench with one more effect.

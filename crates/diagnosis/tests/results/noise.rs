@@ -72,6 +72,7 @@ fn a_ripple_is_found_on_a_clock_that_began_long_before_the_log() {
     let ripple = Effect {
         name: "load-ripple".into(),
         channel: None,
+        of: None,
         parameters: [("cos_force_n", 2.0), ("sin_force_n", 1.0), ("frequency_hz", 5.03)]
             .map(|(name, value)| (name.to_owned(), value))
             .into(),

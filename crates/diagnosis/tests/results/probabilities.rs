@@ -128,7 +128,7 @@ fn an_effect_of_the_speed_alone_is_no_cause_of_friction_with_memory() {
     // falling speed.
     let parameters = [("excess_effort", 20.0), ("rest_time_s", 0.15), ("distance_m", 2e-3)];
     let parameters = parameters.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect();
-    let breakaway = Effect { name: "breakaway".into(), channel: None, parameters };
+    let breakaway = Effect { name: "breakaway".into(), channel: None, of: None, parameters };
     let d = diagnosed(&axis(6), &[logged(&with(&axis(6), breakaway), 5)], &["stribeck-friction"]);
     assert!(d.verdict == Verdict::Unknown && d.probability_unknown > 0.9, "{:?}", d.causes);
     assert_eq!(rejection_reason(&d), "no-memory");

@@ -3,11 +3,13 @@
 mod check;
 mod contact;
 mod measured;
+mod part;
 mod plant;
 mod quantity;
 
 pub use self::contact::ContactEntry;
 pub use self::measured::MeasuredEntry;
+pub(crate) use self::part::Part;
 pub(crate) use self::quantity::Quantity;
 
 use super::plant::plant_description;
@@ -248,10 +250,26 @@ impl JointSection {
         self.drive_speed.is_some() || self.drive_amplitude.is_some() || self.drive_stroke.is_some()
     }
 
+    /// Its two bodies as a name.
+    pub(crate) fn pair(&self) -> String {
+        format!("{}_{}", self.first, self.second)
+    }
+
     /// Direction of the axis at the start.
     pub(crate) fn axis(&self) -> [f64; 2] {
         [self.axis_rad.cos(), self.axis_rad.sin()]
     }
+}
+
+/// Appends a number to names that occur before, so that all differ.
+pub(crate) fn distinct(names: Vec<String>) -> Vec<String> {
+    let mut all: Vec<String> = Vec::with_capacity(names.len());
+    for name in names {
+        let numbered = (2..).map(|n| format!("{name}_again_{n}"));
+        let free = std::iter::once(name.clone()).chain(numbered).find(|name| !all.contains(name));
+        all.push(free.unwrap_or(name));
+    }
+    all
 }
 
 fn rows() -> u32 {
@@ -272,4 +290,15 @@ fn yes() -> bool {
 
 fn is_zero_pair(value: &[f64; 2]) -> bool {
     *value == [0.0; 2]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_that_repeat_get_a_number() {
+        let names = ["a_b", "a_b", "c", "a_b"].map(str::to_owned).to_vec();
+        assert_eq!(distinct(names), ["a_b", "a_b_again_2", "c", "a_b_again_3"]);
+    }
 }

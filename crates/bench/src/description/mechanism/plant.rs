@@ -1,7 +1,7 @@
 //! A mechanism as one of the plants: its facts and limits.
 
 use super::MechanismBench;
-use crate::description::{DriveChannels, PlantDescription, Range, Refusal};
+use crate::description::{DriveChannels, Plant, PlantDescription, Range, Refusal};
 use crate::signals::{Channel, Role};
 
 /// Omissions of the model.
@@ -45,6 +45,14 @@ impl PlantDescription for MechanismBench {
 
     fn refusals(&self) -> Vec<Refusal> {
         self.structure_refusals()
+    }
+
+    fn plant_parameter_mut(&mut self, name: &str) -> Option<&mut f64> {
+        self.part_number_mut(name)
+    }
+
+    fn effect_plant(&self) -> Option<Plant> {
+        (!self.measured.is_empty()).then_some(Plant::Mechanism)
     }
 
     fn sample_rate_hz(&self) -> f64 {

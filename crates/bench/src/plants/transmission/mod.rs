@@ -319,6 +319,7 @@ mod tests {
         bench.effects_mut().push(Effect {
             name: "breakaway".into(),
             channel: None,
+            of: None,
             parameters: parameters.into(),
         });
         let Bench::Transmission(bench) = bench.resolved() else { panic!("bench-b is no axis") };
