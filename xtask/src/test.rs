@@ -26,8 +26,9 @@ pub(crate) fn test(is_long: bool) -> Result<(), ChoreError> {
     let checks = std::thread::spawn(checks);
     let mut tally = Tally::default();
     let variables: &[_] = if is_long { &[(LONG, "1")] } else { &[] };
-    test_programs::run_all(Choice::Usual, variables, &mut tally)?;
+    let ran = test_programs::run_all(Choice::Usual, variables, &mut tally);
     let checked = checks.join().unwrap_or_else(|_| Err(ChoreError::ByHand("a check panicked".into())));
+    ran?;
     // Separate, so that the first run tests `host-sim` without probes.
     tally.run(workspace::tests().args(["--features", "host-sim/fake-probe", "--test", "fake_probe"]))?;
     if is_long {

@@ -105,6 +105,9 @@ pub(crate) fn run_all(
     let built =
         output_of(workspace::tests().args(["--no-run", "--message-format", "json-render-diagnostics"]))?;
     let mut jobs: Vec<Job> = built.lines().filter_map(|line| Job::read(line, &arguments)).collect();
+    if jobs.is_empty() {
+        return Err(ChoreError::ByHand("cargo named no test program in its messages".into()));
+    }
     if choice == Choice::Usual {
         jobs.push(Job::documentation());
     }

@@ -44,8 +44,9 @@ pub(super) fn sections() -> Vec<SectionEntry> {
                without this section, lines that begin with `#` or `% ` are comments, a line under the header \
                with text and no number contains units, a text that is not UTF-8 is read as UTF-16 if it has \
                a byte order mark, else as Latin-1, and separators of thousands are refused.";
-    let effects = "Deviations from the nominal model: `name`, parameters and, for a sensor effect, `channel`, \
-                   or for an effect on a part of a mechanism, `of` with the name of the body or joint.";
+    let effects = "Deviations from the nominal model: `name`, parameters and, for a sensor effect, \
+                   `channel`, or for an effect on a part of a mechanism, `of` with the name of the body or \
+                   joint.";
     let common = [
         SectionEntry::new::<Sensor>("sensors", sensors.into(), Shape::PerChannel),
         SectionEntry::new::<String>("uncertain", uncertain.into(), Shape::PerParameter),

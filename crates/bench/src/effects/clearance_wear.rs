@@ -2,7 +2,8 @@
 //!
 //! `D' = D + clearance_increase_m` of the bearing, or of a bearing or guide of a mechanism. On a
 //! transmission bench the bearing's radius increases and the journal's stays; on a mechanism the
-//! journal's decreases. Plain geometry without a source. Parameter: `clearance_increase_m` in m, -0.4 mm to 2 mm, prior 0.2 mm. In a log: the journal moves on a wider circle. It swings more
+//! journal's decreases. Plain geometry without a source. Parameter: `clearance_increase_m` in m,
+//! -0.4 mm to 2 mm, prior 0.2 mm. In a log: the journal moves on a wider circle. It swings more
 //! slowly (frequency as `D^-1/2`), and more strongly where the drive's acceleration changes sign.
 //! `journal_y_m` and `journal_z_m` show it first. Confounded with a softer contact (both allow more
 //! displacement under load) and, with one journal axis alone, with that sensor's offset.

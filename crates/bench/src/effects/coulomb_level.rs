@@ -4,9 +4,9 @@
 //! additional dry effort `coulomb_effort` against the motion, in N or N m (within 1e9, prior 3
 //! times the log's rms effort), because a description may have no friction. Joint of a mechanism:
 //! `coefficient_change`, added to the coefficients of its contacts and limited to a sum of 0 (-1 to
-//! 2, prior 0.1). Coulomb's law. In a log: friction of constant size that changes its sign with the motion. Confounded with
-//! load-dependent friction at a constant load, with the gain of the torque sensor, and with a step
-//! or a drift in a short log.
+//! 2, prior 0.1). Coulomb's law. In a log: friction of constant size that changes its sign with the
+//! motion. Confounded with load-dependent friction at a constant load, with the gain of the torque
+//! sensor, and with a step or a drift in a short log.
 
 use super::kind::{Action, Apply, EffectKind, EffectParameter, Measure};
 use crate::description::{Part, Plant};

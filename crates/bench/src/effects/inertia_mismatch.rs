@@ -3,9 +3,10 @@
 //! Transmission bench: `J' = J (1 + relative_change)` of the shaft; -0.8 to 4, prior 0.2. Driven
 //! axis: inertia or mass `m' = m + inertia_change` in kg m2 or kg, because a description may have
 //! 0; within 1e9, prior 3 times the mass that would take the log's rms effort. Body of a mechanism:
-//! mass and moment of inertia times `1 + relative_change`. Newton, Euler. In a log: force or effort in proportion to the acceleration. Confounded with the gain of the force
-//! sensor if inertia dominates, and with a delay or a lag (under sinusoidal motion the acceleration
-//! is proportional to the negative position).
+//! mass and moment of inertia times `1 + relative_change`. Newton, Euler. In a log: force or effort
+//! in proportion to the acceleration. Confounded with the gain of the force sensor if inertia
+//! dominates, and with a delay or a lag (under sinusoidal motion the acceleration is proportional
+//! to the negative position).
 
 use super::kind::{Action, Apply, EffectKind, EffectParameter, Measure};
 use crate::description::{Part, Plant};

@@ -228,6 +228,15 @@ impl Effect {
                 expected: if kind.is_per_channel() { "`channel = \"...\"`" } else { "none" },
             });
         }
+        if let (Bench::Mechanism(mechanism), Some(channel)) = (bench, self.channel)
+            && !mechanism.measured.iter().any(|entry| entry.channel == channel)
+        {
+            errors.push(EffectError::Channel {
+                effect: self.name.clone(),
+                found: "names a channel that is not measured",
+                expected: "a channel of `[[measured]]`",
+            });
+        }
         errors.extend(self.part_error(kind, bench));
         for (name, &value) in &self.parameters {
             match known.iter().find(|p| p.name == name) {

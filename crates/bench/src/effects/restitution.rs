@@ -1,10 +1,10 @@
 //! Impacts return more or less energy than described.
 //!
 //! `e' = e + restitution_change`, limited to 0.05 to 1, in the dissipation factor `chi(e)` of the
-//! description, of a mechanism of one joint (for the restitution that a factor really produces see `contact::restitution`).
-//! Parameter: `restitution_change`, -0.35 to 0.55, prior 0.1. In a log: the swinging after an
-//! impact or a change of sign decays faster or more slowly; at standstill nothing changes.
-//! Confounded with a squeeze film, which also damps the normal motion.
+//! description, on a mechanism of one joint (for the restitution that a factor really produces see
+//! `contact::restitution`). Parameter: `restitution_change`, -0.35 to 0.55, prior 0.1. In a log:
+//! the swinging after an impact or a change of sign decays faster or more slowly; at standstill
+//! nothing changes. Confounded with a squeeze film, which also damps the normal motion.
 
 use super::kind::{Action, Apply, EffectKind, EffectParameter, Values};
 use crate::description::{Part, Plant};

@@ -265,7 +265,7 @@ impl Model {
     }
 
     /// Returns whether a bench can be like this: mass, dry and viscous friction of an axis are not
-    /// negative, beyond a small share of the log's effort, and joints of a mechanism have clearance.
+    /// negative, beyond a small share of the log's effort; joints of a mechanism have clearance.
     ///
     /// The bounds of a single effect cannot exclude it, because description, calibration and
     /// effects add up.
