@@ -203,8 +203,10 @@ pub(crate) fn rough_refit(
         let (min, max) = p.bounds();
         *z = z.clamp(min, max);
     }
-    // A size that the plant cannot simulate is no start.
+    // A size that the plant cannot simulate, such as wear beyond the clearance, is no start.
     let Ok(simulation) = simulate(data, &model.at(&z), Some(&base.simulation)) else {
+        z.truncate(base.z.len());
+        z.resize(model.parameters.len(), 0.0);
         return fit(data, noise, model, z);
     };
     let added: Vec<usize> = (base.z.len()..z.len()).collect();
