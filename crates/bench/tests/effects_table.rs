@@ -37,8 +37,8 @@ clearance_increase_m = 1e-5
   stroke and its rms speed at the friction radius, its drag (rms effort over rms speed), its
   stiffness (rms effort over half the stroke), its load gain (rms effort over rms load), and its
   inertia (rms effort over the acceleration that rms speed and half stroke imply). Such a parameter
-  is found alike in a log in other units. On a mechanism these are the quantities of its first
-  drive, where the log measures its force or torque.
+  is found alike in a log in other units. On a mechanism these are the quantities of the
+  drive whose torque the log measures, and 1 in SI units without one.
 * **Plants**: planar (transmission bench), two-plane (the same with `[two_plane]`), rotary (friction
   rig), linear (axis), mechanism (one with `[[measured]]`). On other plants the effect is refused.
   An effect on a part of a mechanism names it by `of`: a body, or a joint by its two bodies, such as

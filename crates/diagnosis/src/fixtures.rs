@@ -25,10 +25,22 @@ pub(crate) fn calibrated(effort: f64) -> (Data, NoiseModel, Fit) {
     let mut truth = bench.clone();
     let parameters = [("coulomb_effort".to_owned(), effort)].into();
     truth.effects_mut().push(Effect { name: "coulomb-level".into(), channel: None, of: None, parameters });
-    let data = Data::new(&bench, &[record(&truth, 3).unwrap()], &[], Split::Halves).unwrap();
-    let described = simulate(&data, &bench, None).unwrap();
-    let noise = NoiseModel::from_nominal_residual(&bench, &data, &data.residual(&described.columns));
-    let model = Model::nominal(&bench, &data);
+    fitted(&bench, &truth)
+}
+
+/// The four-bar of the examples with its own record, data, noise and calibrated fit.
+pub(crate) fn four_bar() -> (Bench, (Data, NoiseModel, Fit)) {
+    let text = include_str!("../../../examples/four-bar-log.toml");
+    let bench = Bench::parse("four-bar-log.toml", text).unwrap();
+    let fitted = fitted(&bench, &bench);
+    (bench, fitted)
+}
+
+fn fitted(bench: &Bench, truth: &Bench) -> (Data, NoiseModel, Fit) {
+    let data = Data::new(bench, &[record(truth, 3).unwrap()], &[], Split::Halves).unwrap();
+    let described = simulate(&data, bench, None).unwrap();
+    let noise = NoiseModel::from_nominal_residual(bench, &data, &data.residual(&described.columns));
+    let model = Model::nominal(bench, &data);
     let start = vec![0.0; model.parameters.len()];
     let base = fit(&data, &noise, model, start).unwrap();
     (data, noise, base)

@@ -281,7 +281,7 @@ impl Pass<'_> {
             identifiability: identifiability(data, extended),
             ranking: ranking(first, known),
             threshold: first.threshold,
-            extended: Some(extended.model.at(&extended.z).common),
+            extended: Some(extended.model.extended(&extended.z)),
             places: binned_residuals(data, &calibrated.residual, &extended.residual),
             series: series(data, &calibrated.residual, &extended.residual),
         })

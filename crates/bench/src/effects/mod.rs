@@ -257,9 +257,6 @@ impl Effect {
                 Some(_) => {}
             }
         }
-        if errors.is_empty() {
-            errors.extend(self.clearance_error(bench));
-        }
         errors
     }
 
@@ -279,21 +276,6 @@ impl Effect {
             }
         };
         Some(EffectError::Part { effect: self.name.clone(), found, expected })
-    }
-
-    /// Error of an effect that leaves a joint of a mechanism no clearance.
-    fn clearance_error(&self, bench: &Bench) -> Option<EffectError> {
-        if !matches!(bench, Bench::Mechanism(_)) {
-            return None;
-        }
-        let mut changed = bench.clone();
-        self.apply(&mut changed);
-        let has_clearances = matches!(&changed, Bench::Mechanism(changed) if changed.has_clearances());
-        (!has_clearances).then(|| EffectError::Part {
-            effect: self.name.clone(),
-            found: "leaves a joint no clearance".into(),
-            expected: "a clearance above 0".into(),
-        })
     }
 
     /// Applies the effect in place. The caller has checked it; on a plant where it does not act it

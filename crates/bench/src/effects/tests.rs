@@ -229,6 +229,18 @@ fn every_effect_grows_with_its_size_in_the_channel_that_shows_it() {
 }
 
 #[test]
+fn the_energy_balance_of_a_mechanism_closes_with_every_effect() {
+    let nominal = plant(Plant::Mechanism);
+    for kind in CATALOGUE.iter().filter(|k| k.parts(&nominal).is_some()) {
+        let mut bench = nominal.clone();
+        bench.effects_mut().push(effect(kind, &nominal, 1.0));
+        let Bench::Mechanism(bench) = bench.resolved() else { panic!() };
+        let run = bench.simulate(&[], 1e-9).unwrap();
+        assert!(run.energy.residual_rel() < 1e-6, "{}: {:?}", kind.name, run.energy.terms());
+    }
+}
+
+#[test]
 fn the_energy_balance_closes_with_every_effect() {
     let nominal = plant(Plant::Planar);
     for kind in CATALOGUE.iter().filter(|k| k.action(Plant::Planar).is_some() && !k.is_per_channel()) {
@@ -258,8 +270,12 @@ fn an_effect_on_a_mechanism_acts_on_a_named_part() {
     assert!(message.contains("names a part; expected no `of`"), "{message}");
     let message = refused(&sensor.replace("of = \"arm\"\n", "").replace("journal_y_m", "drive_force_n"));
     assert!(message.contains("not measured; expected a channel of `[[measured]]`"), "{message}");
-    let tight = wear.replace("1e-4", "-3e-4") + "of = \"crank_link\"\n";
-    assert!(refused(&tight).contains("leaves a joint no clearance; expected a clearance above 0"));
+    let by = |size: &str| wear.replace("1e-4", size) + "of = \"crank_link\"\n";
+    let two = by("-1.5e-4").repeat(2);
+    for impossible in [&by("-3e-4"), &two] {
+        let message = refused(impossible);
+        assert!(message.contains("leaves a joint no clearance"), "{message}");
+    }
 }
 
 #[test]

@@ -37,7 +37,23 @@ impl Bench {
                 Refused { key: format!("effects.{index}.{field}"), refusal }
             })
         });
+        let effects: Vec<Refused> = effects.collect();
+        // Only effects that are right one by one can be applied.
+        let together = effects.is_empty().then(|| self.clearance_refusal()).flatten();
+        all.extend(together);
         all.into_iter().map(Refused::new).chain(effects).collect()
+    }
+
+    /// Refuses effects that together leave a joint of a mechanism no possible clearance.
+    fn clearance_refusal(&self) -> Option<Refusal> {
+        match self.resolved() {
+            Self::Mechanism(changed) if !changed.has_clearances() => Some((
+                "effects".into(),
+                "a set that leaves a joint no clearance, or more than its bearing's radius".into(),
+                "a clearance between 0 and the radius".into(),
+            )),
+            _ => None,
+        }
     }
 
     /// Refusals of the plant.

@@ -100,11 +100,11 @@ impl MechanismBench {
     /// Names of the contacts in the order of a run: the two bodies, and a number where a joint has
     /// several contacts.
     pub fn contact_names(&self) -> Vec<String> {
-        let of_joint = |joint: &JointSection| {
-            let (pair, count) = (joint.pair(), joint.contacts());
-            (1..=count).map(move |n| if count == 1 { pair.clone() } else { format!("{pair}_{n}") })
+        let of_joint = |(name, joint): (String, &JointSection)| {
+            let count = joint.contacts();
+            (1..=count).map(move |n| if count == 1 { name.clone() } else { format!("{name}_{n}") })
         };
-        distinct(self.joint.iter().flat_map(of_joint).collect())
+        distinct(self.named_joints().flat_map(of_joint).collect())
     }
 
     /// Names of the columns of a log after the time, in the order of [`Snapshot::row`].
@@ -140,18 +140,14 @@ impl MechanismBench {
 
     /// Joints with a drive without backlash, in the order of a run.
     pub(crate) fn drives(&self) -> impl Iterator<Item = &JointSection> {
-        self.joint.iter().filter(|joint| joint.is_driven() && joint.backlash_m.is_none())
+        self.joint.iter().filter(|joint| joint.has_stiff_drive())
     }
 
     /// Name and unit of the force of each drive, in the order of a run; a drive with backlash acts
     /// through its contacts.
     pub fn drive_names(&self) -> Vec<(String, &'static str)> {
-        let drives = self.drives();
-        let name = |joint: &JointSection| {
-            let unit = if joint.kind == JointKind::Prismatic { "n" } else { "nm" };
-            (joint.pair(), unit)
-        };
-        let (names, units): (Vec<String>, Vec<&str>) = drives.map(name).unzip();
-        distinct(names).into_iter().zip(units).collect()
+        let unit = |joint: &JointSection| if joint.kind == JointKind::Prismatic { "n" } else { "nm" };
+        let drives = self.named_joints().filter(|(_, joint)| joint.has_stiff_drive());
+        drives.map(|(name, joint)| (name, unit(joint))).collect()
     }
 }

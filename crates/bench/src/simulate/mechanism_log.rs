@@ -6,7 +6,7 @@ use crate::description::{JointKind, JointSection, MechanismBench, PlantDescripti
 use crate::integrate::IntegrationError;
 use crate::log::{LogError, MeasuredLog};
 use crate::plants::mechanism::Snapshot;
-use crate::signals::{Motion, Profile};
+use crate::signals::{Channel, Motion, Profile};
 use core::f64::consts::TAU;
 
 /// Number of simulated intervals per sample.
@@ -19,9 +19,14 @@ impl MechanismBench {
         (0..count).map(|i| self.run.duration_s * f64::from(i) / f64::from(count)).collect()
     }
 
-    /// Motion of the first drive at the times of a log; the angle of one that turns within a turn.
-    fn first_drive(&self, time_s: &[f64]) -> Profile {
-        let drive = self.joint.iter().find(|joint| joint.is_driven());
+    /// Motion of a drive at the times of a log: the one whose torque is measured, else the first.
+    /// The angle of one that turns is within a turn.
+    fn drive_profile(&self, time_s: &[f64]) -> Profile {
+        let measured = self.quantities().find_map(|quantity| match quantity {
+            (Channel::DriveTorque, Quantity::Effort(drive)) => self.drives().nth(drive),
+            _ => None,
+        });
+        let drive = measured.or_else(|| self.joint.iter().find(|joint| joint.is_driven()));
         let node = |time_s: &f64| {
             let motion = drive.map(|joint| joint.motion().at(*time_s)).unwrap_or_default();
             let turns = drive.is_some_and(|j| j.kind == JointKind::Revolute && j.drive_speed.is_some());
@@ -76,7 +81,7 @@ impl LoggedPlant for MechanismBench {
         }
         let still = Profile::Cycles { stroke: 0.0, period_s: 1.0, cycles: 0.0 };
         let outputs = self.outputs(log).into_iter().filter(|channel| self.simulates(*channel)).collect();
-        Ok(Inputs::from_profiles(log, outputs, (self.first_drive(&log.time_s), still), FINENESS))
+        Ok(Inputs::from_profiles(log, outputs, (self.drive_profile(&log.time_s), still), FINENESS))
     }
 
     fn respond(&self, inputs: &Inputs, _: bool) -> Result<Truth, IntegrationError> {

@@ -6,8 +6,8 @@ use bench::description::FrictionRig;
 use bench::effects::Measure;
 use bench::{Bench, Channel};
 
-/// Effort and motion of the logs of a driven axis, or of the first drive of a mechanism; 1 on other
-/// benches, whose effects have steps and priors in their own units.
+/// Effort and motion of the logs of a driven axis, or of the drive of a mechanism whose torque is
+/// measured; 1 on other benches, whose effects have steps and priors in their own units.
 #[derive(Clone, Copy)]
 pub(crate) struct Measures {
     /// Largest rms of a measured effort, N or N m.
@@ -80,8 +80,8 @@ impl Measures {
             load_gain: 1.0,
             friction_radius: 1.0,
         };
-        let efforts = [Channel::DriveTorque, Channel::DriveForce];
-        let is_driven = |block: &&Block| efforts.contains(&block.channel);
+        // The effects act on pins, so a force has no use.
+        let is_driven = |block: &&Block| block.channel == Channel::DriveTorque;
         let measured =
             || data.blocks.iter().filter(is_driven).flat_map(|block| block.measured.iter().copied());
         if !matches!(bench, Bench::Mechanism(_)) || measured().next().is_none() {

@@ -264,6 +264,15 @@ impl Model {
         variants
     }
 
+    /// The bench at scaled parameters as a description, which can be read again.
+    pub(crate) fn extended(&self, z: &[f64]) -> Bench {
+        let mut bench = self.at(z).common;
+        if let Bench::Mechanism(mechanism) = &mut bench {
+            mechanism.limit_offsets();
+        }
+        bench
+    }
+
     /// Returns whether a bench can be like this: mass, dry and viscous friction of an axis are not
     /// negative, beyond a small share of the log's effort; joints of a mechanism have clearance.
     ///

@@ -218,7 +218,24 @@ pub(crate) fn rough_refit(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fixtures::{calibrated, plain};
+    use crate::fixtures::{calibrated, four_bar, plain};
+
+    #[test]
+    fn an_effect_is_a_candidate_on_every_joint_and_an_impossible_size_is_no_start() {
+        let (bench, (data, noise, base)) = four_bar();
+        let mut wear = candidates(&bench, &data, &[]);
+        wear.retain(|candidate| candidate.kind.name == "clearance-wear");
+        let mut scores = scores(&data, &noise, &base, &wear).unwrap();
+        let mut parts: Vec<_> = scores.iter().filter_map(|score| score.candidate.part()).collect();
+        parts.sort();
+        assert_eq!(parts, ["crank_coupler", "rocker_coupler"]);
+        // Far beyond the clearance, to which the bounds of the effect do not limit it.
+        scores[0].estimate = vec![-1e3];
+        let model = base.model.with_effect(scores[0].candidate.clone(), &noise);
+        let z = [&base.z[..], &[-40.0]].concat();
+        assert!(simulate(&data, &model.at(&z), None).is_err());
+        rough_refit(&data, &noise, &base, &scores[0]).unwrap();
+    }
 
     #[test]
     fn a_parameter_at_its_bound_absorbs_nothing_of_an_effect() {

@@ -66,11 +66,12 @@ class Diagnosis(Results):
     @property
     def causes(self) -> pd.DataFrame:
         """Parameters of the causes, the main cause first, with unit and 95 % interval."""
-        columns = ["effect", "channel", "probability", "parameter", "value", "unit", "low", "high"]
+        columns = ["effect", "channel", "of", "probability", "parameter", "value", "unit", "low", "high"]
         rows = [
             [
                 cause["effect"],
                 cause.get("channel"),
+                cause.get("of"),
                 cause["probability"],
                 parameter["name"],
                 parameter["value"],
@@ -103,5 +104,7 @@ class Diagnosis(Results):
         lines = [f"verdict: {self.verdict}"]
         for row in self.causes.itertuples():
             interval = f"{row.low:.4g} to {row.high:.4g}"
-            lines.append(f"{row.effect}: {row.parameter} = {row.value:.4g} {row.unit} ({interval})")
+            place = row.channel or row.of
+            effect = f"{row.effect} of {place}" if place else row.effect
+            lines.append(f"{effect}: {row.parameter} = {row.value:.4g} {row.unit} ({interval})")
         return "\n".join(lines)

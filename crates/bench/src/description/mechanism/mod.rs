@@ -250,9 +250,9 @@ impl JointSection {
         self.drive_speed.is_some() || self.drive_amplitude.is_some() || self.drive_stroke.is_some()
     }
 
-    /// Its two bodies as a name.
-    pub(crate) fn pair(&self) -> String {
-        format!("{}_{}", self.first, self.second)
+    /// Returns whether the joint has a drive without backlash.
+    pub(crate) const fn has_stiff_drive(&self) -> bool {
+        self.is_driven() && self.backlash_m.is_none()
     }
 
     /// Direction of the axis at the start.

@@ -30,9 +30,11 @@ impl Part {
 }
 
 impl MechanismBench {
-    /// Names of the joints: the two bodies, and a number if joints of the same bodies come before.
-    fn joint_names(&self) -> Vec<String> {
-        super::distinct(self.joint.iter().map(JointSection::pair).collect())
+    /// Joints with their names: the two bodies, and a number if a joint of the same bodies comes
+    /// before.
+    pub(crate) fn named_joints(&self) -> impl Iterator<Item = (String, &JointSection)> {
+        let pairs = self.joint.iter().map(|joint| format!("{}_{}", joint.first, joint.second));
+        super::distinct(pairs.collect()).into_iter().zip(&self.joint)
     }
 
     /// Names of the parts of a kind.
@@ -40,22 +42,24 @@ impl MechanismBench {
         if part == Part::Body {
             return self.body.iter().map(|body| body.name.clone()).collect();
         }
-        let named = self.joint_names().into_iter().zip(&self.joint);
-        named.filter(|(_, joint)| part.contains(joint)).map(|(name, _)| name).collect()
+        self.named_joints().filter(|(_, joint)| part.contains(joint)).map(|(name, _)| name).collect()
     }
 
     /// A joint by its name, for changes.
     pub(crate) fn joint_mut(&mut self, name: &str) -> Option<&mut JointSection> {
-        let index = self.joint_names().iter().position(|own| own == name)?;
+        let index = self.named_joints().position(|(own, _)| own == name)?;
         self.joint.get_mut(index)
     }
 
-    /// Laws of a joint's contacts, for changes that leave those of other joints as they are.
+    /// Laws of a joint's contacts, for changes that leave those of other joints as they are. They
+    /// replace networks of the joint, which know no changed law.
     pub(crate) fn own_contact_mut(&mut self, name: &str) -> Option<&mut ContactEntry> {
         let shared = self.joint_mut(name)?.contact.clone()?;
         let users = self.joint.iter().filter(|joint| joint.contact.as_ref() == Some(&shared)).count();
         let own = if users > 1 { self.separate_contact(name, &shared)? } else { shared };
-        self.contact.iter_mut().find(|entry| entry.name == own)
+        let entry = self.contact.iter_mut().find(|entry| entry.name == own)?;
+        entry.network = None;
+        Some(entry)
     }
 
     /// Gives a joint a copy of its laws, and returns the copy's name.
@@ -84,9 +88,26 @@ impl MechanismBench {
         self.spring.push(torsion);
     }
 
-    /// Returns whether effects left every joint a clearance.
+    /// Returns whether calibration and effects left every joint a possible clearance.
     pub fn has_clearances(&self) -> bool {
-        self.joint.iter().all(|joint| joint.clearance_m.is_none_or(|clearance_m| clearance_m > 0.0))
+        let is_possible = |joint: &JointSection| {
+            let radius_m = joint.bearing_radius_m.unwrap_or(f64::INFINITY);
+            joint.clearance_m.is_none_or(|clearance_m| clearance_m > 0.0 && clearance_m < radius_m)
+        };
+        self.joint.iter().all(is_possible)
+    }
+
+    /// Moves every journal that would begin beyond its clearance, because calibration has reduced
+    /// it, to the surface of its bearing.
+    pub fn limit_offsets(&mut self) {
+        for joint in &mut self.joint {
+            let distance_m = joint.offset_m[0].hypot(joint.offset_m[1]);
+            if let Some(clearance_m) = joint.clearance_m.filter(|clearance_m| distance_m > *clearance_m) {
+                // Below the clearance by more than rounding.
+                let factor = clearance_m / distance_m * (1.0 - 1e-12);
+                joint.offset_m = joint.offset_m.map(|component| component * factor);
+            }
+        }
     }
 
     /// A number that may be declared uncertain: `body.NAME.FIELD`, `joint.NAME.FIELD` or
