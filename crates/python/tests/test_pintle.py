@@ -331,3 +331,12 @@ def test_threads_wait_for_each_other_and_a_forked_process_is_refused(bench):
         os._exit(0)
     os.waitpid(child, 0)
     assert b"spawn" in os.read(read, 1000)
+
+
+def test_a_cause_shows_its_part_of_a_mechanism():
+    estimate = {"name": "clearance_increase_m", "value": 3e-5, "unit": "m", "ci95": [2e-5, 4e-5]}
+    cause = {"effect": "clearance-wear", "of": "rocker_coupler", "probability": 1.0, "parameters": [estimate]}
+    figures = {"verdict": "named", "causes": [cause], "provenance": {}}
+    diagnosis = pintle.Diagnosis({"diagnosis.json": json.dumps(figures).encode()}, {}, None)
+    assert list(diagnosis.causes["of"]) == ["rocker_coupler"]
+    assert "clearance-wear of rocker_coupler: clearance_increase_m = 3e-05 m" in repr(diagnosis)

@@ -102,9 +102,11 @@ class Diagnosis(Results):
 
     def __repr__(self) -> str:
         lines = [f"verdict: {self.verdict}"]
-        for row in self.causes.itertuples():
-            interval = f"{row.low:.4g} to {row.high:.4g}"
-            place = row.channel or row.of
-            effect = f"{row.effect} of {place}" if place else row.effect
-            lines.append(f"{effect}: {row.parameter} = {row.value:.4g} {row.unit} ({interval})")
+        for cause in self.figures["causes"]:
+            place = cause.get("channel") or cause.get("of")
+            effect = f"{cause['effect']} of {place}" if place else cause["effect"]
+            for p in cause["parameters"]:
+                low, high = p["ci95"]
+                interval = f"{low:.4g} to {high:.4g}"
+                lines.append(f"{effect}: {p['name']} = {p['value']:.4g} {p['unit']} ({interval})")
         return "\n".join(lines)
