@@ -1,11 +1,11 @@
 //! The quick matrix of hidden effects: every effect once, on the cheapest plant that shows it;
 //! clean logs, deleted causes, two effects, pairs and changed questions on the axes.
 //!
-//! A third of the deleted causes, two effects, clean logs and changed questions is run here, and
-//! all with `cargo xtask test --long`. No figure may miss its goal by more than the golden one
-//! (`tests/golden/hidden-effects-sample.json` and `-quick.json`, written by `cargo xtask
-//! hidden-effects --sample --bless` and `--quick --bless`). The full matrix is a separate campaign:
-//! `docs/hidden-effects*.md`.
+//! A third of the deleted causes, two effects, clean logs, changed questions and transmission
+//! benches is run here, and all with `cargo xtask test --long`. No figure may miss its goal by more
+//! than the golden one (`tests/golden/hidden-effects-sample.json` and `-quick.json`, written by
+//! `cargo xtask hidden-effects --sample --bless` and `--quick --bless`). The full matrix is a
+//! separate campaign: `docs/hidden-effects*.md`.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use rayon::prelude::*;

@@ -116,8 +116,8 @@ pub struct Campaign {
     /// can show. One of its cells costs as much as fifty of an axis.
     #[serde(default, skip_serializing_if = "is_false")]
     pub bench_alone: bool,
-    /// True if a third is left of the cells that are neither a single effect, a pair nor under hard
-    /// conditions.
+    /// True if a third is left of the cells on a transmission bench, and of those that are neither
+    /// a single effect, a pair nor under hard conditions.
     #[serde(default, skip_serializing_if = "is_false")]
     pub is_sample: bool,
 }
@@ -190,7 +190,9 @@ impl Campaign {
         cells.sort_by_cached_key(|c| (c.seed, c.stream()));
         cells.iter_mut().enumerate().for_each(|(i, c)| c.index = i);
         if self.is_sample {
-            let is_always = |cell: &Cell| matches!(cell.arm, Arm::Single | Arm::Pair | Arm::Hard);
+            let is_always = |cell: &Cell| {
+                matches!(cell.arm, Arm::Single | Arm::Pair | Arm::Hard) && !cell.plant.is_transmission()
+            };
             cells.retain(|cell| is_always(cell) || cell.index.is_multiple_of(SAMPLED));
         }
         cells
@@ -304,11 +306,15 @@ mod tests {
     }
 
     #[test]
-    fn a_sample_hides_every_effect_of_the_quick_campaign_and_asks_every_kind_of_question() {
+    fn a_sample_hides_every_effect_of_the_axes_and_asks_every_kind_of_question() {
         let (quick, sample) = (Campaign::quick().cells(), Campaign::sample().cells());
         assert!(sample.len() < quick.len() * 3 / 4 && sample.iter().all(|cell| quick.contains(cell)));
-        let singles = |cells: &[Cell]| cells.iter().filter(|cell| cell.arm == Arm::Single).count();
-        assert_eq!(singles(&sample), singles(&quick));
+        let singles = |cells: &[Cell], is_transmission: bool| {
+            let of = |cell: &&Cell| cell.plant.is_transmission() == is_transmission;
+            cells.iter().filter(of).filter(|cell| cell.arm == Arm::Single).count()
+        };
+        assert_eq!(singles(&sample, false), singles(&quick, false));
+        assert!(singles(&sample, true) >= 2, "{}", singles(&sample, true));
         assert!(Arm::ALL.iter().all(|arm| sample.iter().any(|cell| cell.arm == *arm)));
     }
 
