@@ -5,7 +5,7 @@
 
 use crate::c_library;
 use crate::compile::host;
-use crate::firmware::Firmware;
+use crate::firmware::{self, Firmware};
 use crate::fmu;
 use crate::run::{
     ChoreError, cargo, copy, of_file, output_of, root, run, succeeds, target_folder, write_atomically,
@@ -28,8 +28,10 @@ const COMPLETIONS: [(&str, &str, &str, &str); 3] = [
     ("fish", "share/fish/vendor_completions.d", "", ".fish"),
 ];
 
-/// Builds the archive and its checksum, and returns the path of the archive.
+/// Builds the archive and its checksum, and returns the path of the archive. Its firmware trusts
+/// the keys of `PINTLE_MODEL_KEY`, which must not be the development key.
 pub(crate) fn archive() -> Result<PathBuf, ChoreError> {
+    firmware::require_own_keys()?;
     let name = format!("pintle-{}-{}", env!("CARGO_PKG_VERSION"), host()?);
     let folder = target_folder().join("archive");
     let tree = folder.join(&name);
@@ -40,7 +42,7 @@ pub(crate) fn archive() -> Result<PathBuf, ChoreError> {
     for (program, path) in PROGRAMS.iter().zip(&built) {
         copy(path, &tree.join("bin").join(program))?;
     }
-    firmware(&tree.join("share/pintle/firmware"))?;
+    firmware_images(&tree.join("share/pintle/firmware"))?;
     copy_tree(&c_library::build()?, &tree.join("share/pintle/c-libraries"))?;
     copy_tree(&fmu::build()?, &tree.join("share/pintle/fmu-libraries"))?;
     shells(&tree)?;
@@ -71,7 +73,7 @@ fn programs(folder: &Path) -> Result<Vec<PathBuf>, ChoreError> {
 
 /// Builds the image of every board of silicon, that of the default board last: the emulator's tests
 /// expect it in the target folder.
-fn firmware(folder: &Path) -> Result<(), ChoreError> {
+fn firmware_images(folder: &Path) -> Result<(), ChoreError> {
     for board in BOARDS.iter().rev().filter(|board| !board.microcontroller.is_emulated_only()) {
         let image = Firmware(board).build()?;
         copy(&image, &folder.join(board.image_name().to_string()))?;

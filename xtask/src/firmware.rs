@@ -3,6 +3,7 @@
 use crate::run::{ChoreError, root, run, target_folder};
 use crate::setup;
 use controller::boards::{self, BOARDS, Board};
+use controller::store::key::DEVELOPMENT_KEY;
 use std::path::{Path, PathBuf};
 
 /// The image that serves every board with an STM32F405.
@@ -22,9 +23,34 @@ pub(crate) fn parse_board(name: &str) -> Result<Firmware, boards::UnknownBoard> 
     boards::find(name).map(Firmware).ok_or(boards::UnknownBoard)
 }
 
+/// Variable with the keys that the firmware trusts.
+const KEYS: &str = "PINTLE_MODEL_KEY";
+
 /// Builds the image of a board, or the one that provokes faults on demand, and returns its path.
-pub(crate) fn image(board: Firmware, is_provoking: bool) -> Result<PathBuf, ChoreError> {
+/// For delivery it needs keys of its owner.
+pub(crate) fn image(board: Firmware, is_provoking: bool, is_delivered: bool) -> Result<PathBuf, ChoreError> {
+    if is_delivered {
+        require_own_keys()?;
+    }
     if is_provoking { board.build_provoking() } else { board.build() }
+}
+
+/// Refuses a build for delivery whose firmware would trust the published development key.
+pub(crate) fn require_own_keys() -> Result<(), ChoreError> {
+    own_keys(std::env::var(KEYS).ok().as_deref()).map_err(ChoreError::ByHand)
+}
+
+fn own_keys(listed: Option<&str>) -> Result<(), String> {
+    let development: String = DEVELOPMENT_KEY.iter().map(|byte| format!("{byte:02x}")).collect();
+    let found = match listed {
+        None => "it is not set, and the firmware would trust the published development key",
+        Some(keys) if keys.to_lowercase().contains(&development) => "it has the published development key",
+        Some(_) => return Ok(()),
+    };
+    Err(format!(
+        "{KEYS}: {found}; expected the public keys of the firmware's owner \
+         (`model-quant key --out my.key`)"
+    ))
 }
 
 impl Firmware {
@@ -86,6 +112,16 @@ fn copy(image: &Path, name: &str) -> Result<PathBuf, ChoreError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_firmware_for_delivery_needs_the_keys_of_its_owner() {
+        let own = "d75a980182b10ab7d54bfed3c964073a0ee172f3daa62325af021a68f707511a";
+        let development = "127CEEAC7C1A6778BC27AD771F8A0B51F16C7F5BF66C29D09A021B12A2C43B18";
+        assert_eq!(own_keys(Some(own)), Ok(()));
+        assert!(own_keys(None).unwrap_err().contains("not set"));
+        let both = format!("{own},{development}");
+        assert!(own_keys(Some(&both)).unwrap_err().contains("published development key"));
+    }
 
     #[test]
     fn the_second_image_is_for_another_core() {

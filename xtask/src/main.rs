@@ -74,6 +74,9 @@ enum Command {
         /// Include faults on demand for the emulator's tests; never for a bench.
         #[arg(long)]
         provoke: bool,
+        /// Build for delivery: refuse a firmware that trusts the published development key.
+        #[arg(long, conflicts_with = "provoke")]
+        release: bool,
     },
     /// Compare the kernels of every emulated core with those of the host, bit for bit.
     Kernels,
@@ -153,7 +156,8 @@ enum Command {
     },
     /// Build the documentation site in `target/book` with mdBook, and check its links.
     Book,
-    /// Build the release archive: programs, firmware, completions, manual pages, documents.
+    /// Build the release archive: programs, firmware, completions, manual pages, documents. Needs
+    /// `PINTLE_MODEL_KEY`.
     Archive,
     /// Report flash, RAM and stack of the image, and whether it contains a reachable panic.
     Size {
@@ -203,7 +207,9 @@ fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Setup => setup::setup().map(|_| ()),
         Command::Test { long } => test::test(long),
-        Command::Firmware { board, provoke } => firmware::image(board, provoke).map(|elf| print_path(&elf)),
+        Command::Firmware { board, provoke, release } => {
+            firmware::image(board, provoke, release).map(|elf| print_path(&elf))
+        }
         Command::Language { paths, by_file } => language::language(&paths, by_file),
         Command::Miri => miri::miri(),
         Command::CLibrary { check } => c_check::build_or_check(check),

@@ -83,6 +83,23 @@ pub struct FaultRecord {
     pub count: u32,
 }
 
+/// Use of the configuration that was kept in flash.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum KeptConfiguration {
+    /// None is kept, or it has the layout of another firmware.
+    #[default]
+    None,
+    /// It was in use from the start.
+    Restored,
+    /// This firmware refused it.
+    Refused,
+    /// It was not used, because starts in a row faulted with it.
+    SetAside {
+        /// Number of these starts in a row.
+        faulted_starts: u8,
+    },
+}
+
 /// Start-up as the hello frame reports it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct StartReport {
@@ -90,6 +107,8 @@ pub struct StartReport {
     pub reason: ResetReason,
     /// Fault that caused this start, or the last one since power-on.
     pub fault: Option<FaultRecord>,
+    /// Use of the kept configuration.
+    pub kept: KeptConfiguration,
 }
 
 /// Use of the stack so far.
@@ -261,8 +280,9 @@ mod tests {
             build: all,
             count: all,
         };
-        let report = StartReport { reason: ResetReason::Starved, fault: Some(record) };
+        let kept = KeptConfiguration::SetAside { faulted_starts: u8::MAX };
+        let report = StartReport { reason: ResetReason::Starved, fault: Some(record), kept };
         let mut bytes = [0; 64];
-        assert_eq!(postcard::to_slice(&report, &mut bytes).map(|used| used.len()), Ok(45));
+        assert_eq!(postcard::to_slice(&report, &mut bytes).map(|used| used.len()), Ok(47));
     }
 }

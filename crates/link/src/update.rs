@@ -147,6 +147,12 @@ pub struct UpdateStatus {
     pub slots: [SlotState; 2],
     /// Last package refused.
     pub last_refusal: Option<RefusedPackage>,
+    /// Minimum version of a package that is not signed to be older.
+    pub min_version: u32,
+    /// Number of keys that this controller trusts.
+    pub trusted_keys: u8,
+    /// Number of keys of this firmware that a package has revoked.
+    pub revoked_keys: u8,
 }
 
 /// Update in progress.
@@ -212,7 +218,7 @@ pub enum UpdateRefusal {
         /// Lowest accepted version.
         least: u32,
     },
-    /// The signature does not match the public key of this firmware.
+    /// The signature does not match a public key of this firmware.
     Signature,
     /// The package is longer than a slot.
     TooLong {
@@ -255,6 +261,15 @@ pub enum UpdateRefusal {
     Estimating,
     /// The controller has no memory for models.
     NoMemory,
+    /// The package is signed with a key that has been revoked.
+    Revoked,
+    /// The version is far above the lowest accepted one, and would leave few for later packages.
+    VersionTooHigh {
+        /// Version of the package.
+        found: u32,
+        /// Maximum version.
+        most: u32,
+    },
 }
 
 impl core::fmt::Display for UpdateRefusal {
@@ -272,7 +287,7 @@ impl core::fmt::Display for UpdateRefusal {
                      signed as such"
                 )
             }
-            Self::Signature => f.write_str("not signed with the key that this firmware trusts"),
+            Self::Signature => f.write_str("not signed with a key that this firmware trusts"),
             Self::TooLong { found, most } => write!(f, "{found} bytes, expected at most {most}"),
             Self::Lengths => f.write_str("the lengths of its parts are not those of a package"),
             Self::NotBegun => f.write_str("no update was begun"),
@@ -303,6 +318,8 @@ impl core::fmt::Display for UpdateRefusal {
                  stop the run first",
             ),
             Self::NoMemory => f.write_str("the controller has no memory for models"),
+            Self::Revoked => f.write_str("signed with a key that has been revoked"),
+            Self::VersionTooHigh { found, most } => write!(f, "version {found}; expected at most {most}"),
         }
     }
 }

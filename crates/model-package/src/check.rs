@@ -19,7 +19,8 @@ pub struct Checked<'a> {
     pub model: Model<'a>,
 }
 
-/// Parses a manifest and checks that it is valid, made for this board and signed with this key.
+/// Parses a manifest and checks that it is valid, made for this board and signed with one of these
+/// keys. Returns it with the index of the key.
 ///
 /// # Errors
 ///
@@ -27,12 +28,13 @@ pub struct Checked<'a> {
 pub fn authenticate(
     signed: &SignedManifest,
     board: u16,
-    key: &[u8; KEY_LENGTH],
-) -> Result<Manifest, UpdateRefusal> {
+    keys: &[[u8; KEY_LENGTH]],
+) -> Result<(Manifest, usize), UpdateRefusal> {
     let bytes: [u8; MANIFEST_LENGTH] = join(&signed.manifest);
     let manifest = Manifest::parse(&bytes, board)?;
     let signature: [u8; SIGNATURE_LENGTH] = join(&signed.signature);
-    if is_signed(&bytes, &signature, key) { Ok(manifest) } else { Err(UpdateRefusal::Signature) }
+    let signer = keys.iter().position(|key| is_signed(&bytes, &signature, key));
+    signer.map(|signer| (manifest, signer)).ok_or(UpdateRefusal::Signature)
 }
 
 /// Checks a payload, at an address divisible by 4, against its manifest: hash, images, self-tests.

@@ -8,4 +8,4 @@ pub mod self_test;
 pub mod signature;
 
 pub use check::{Checked, WRONG_BEARING, authenticate, check};
-pub use manifest::{MIN_SAMPLES, Manifest, board, hash_of};
+pub use manifest::{MAX_VERSION, MAX_VERSION_STEP, MIN_SAMPLES, Manifest, board, hash_of};

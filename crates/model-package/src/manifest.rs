@@ -8,7 +8,7 @@
 //! | 8..10 | format |
 //! | 10..12 | board, see [`board`] |
 //! | 12..16 | version of the model, from 1 on |
-//! | 16..20 | bit 0: accepted even if older than the running package; all others 0 |
+//! | 16..20 | bit 0: accepted even if older than the running package; bit 1: revokes older keys |
 //! | 20..24 | bytes after manifest and signature |
 //! | 24..28, 28..32 | bytes of the image for bearing 0 and 1; 0: none |
 //! | 32..36, 36..40 | samples of the self-test for bearing 0 and 1 |
@@ -61,7 +61,14 @@ const FORMAT: u16 = 1;
 /// start.
 pub const MIN_SAMPLES: u32 = 2 * inference::WINDOW as u32;
 
+/// Maximum step from the lowest accepted version: a date of eight digits can be a version. A
+/// version shuts out all lower ones, so no single package must leave few higher ones.
+pub const MAX_VERSION_STEP: u32 = 100_000_000;
+/// Maximum version that a package is made with.
+pub const MAX_VERSION: u32 = u32::MAX - MAX_VERSION_STEP;
+
 const MAY_BE_OLDER: u32 = 1;
+const REVOKES_OLDER_KEYS: u32 = 1 << 1;
 
 /// Words for image lengths and numbers of samples.
 const PART_WORDS: usize = 10;
@@ -84,6 +91,9 @@ pub struct Manifest {
     pub version: u32,
     /// True if the package is accepted even if it is older than the running one.
     pub may_be_older: bool,
+    /// True if the controller, once the package is installed, no longer trusts the keys that its
+    /// firmware lists before the one that signed it.
+    pub revokes_older_keys: bool,
     /// Bytes of the image by bearing code; 0 if there is none.
     pub images: [u32; BearingMaterial::COUNT],
     /// Number of self-test samples by bearing code.
@@ -128,7 +138,9 @@ impl Manifest {
     #[must_use]
     pub fn to_bytes(&self) -> [u8; MANIFEST_LENGTH] {
         let mut bytes = [0; MANIFEST_LENGTH];
-        let numbers = [self.version, u32::from(self.may_be_older), self.length()];
+        let flag = |is_set: bool, bit: u32| if is_set { bit } else { 0 };
+        let flags = flag(self.may_be_older, MAY_BE_OLDER) | flag(self.revokes_older_keys, REVOKES_OLDER_KEYS);
+        let numbers = [self.version, flags, self.length()];
         let parts = MAGIC
             .into_iter()
             .chain(FORMAT.to_le_bytes())
@@ -168,7 +180,8 @@ impl Manifest {
         let mut manifest = Self {
             board,
             version: u32::from_le_bytes(version),
-            may_be_older: u32::from_le_bytes(flags) == MAY_BE_OLDER,
+            may_be_older: u32::from_le_bytes(flags) & MAY_BE_OLDER != 0,
+            revokes_older_keys: u32::from_le_bytes(flags) & REVOKES_OLDER_KEYS != 0,
             images: core::array::from_fn(|code| count(part_words(code)[0])),
             samples: core::array::from_fn(|code| count(part_words(code)[1])),
             hash: [0; 32],
@@ -206,6 +219,7 @@ mod tests {
             board: board::STM32F405,
             version: 7,
             may_be_older: false,
+            revokes_older_keys: false,
             images: first_only(8380),
             samples: first_only(32),
             hash: hash_of(b"payload"),
@@ -219,7 +233,7 @@ mod tests {
     #[test]
     fn a_manifest_survives_its_bytes() {
         assert_eq!(parse(&manifest()), Ok(manifest()));
-        let older = Manifest { may_be_older: true, ..manifest() };
+        let older = Manifest { may_be_older: true, revokes_older_keys: true, ..manifest() };
         assert_eq!(parse(&older), Ok(older));
         assert_eq!(manifest().length(), 8380 + 32 * 32);
     }
@@ -251,9 +265,9 @@ mod tests {
         for bit in (0..64 * 8).filter(|bit| !(12 * 8..16 * 8).contains(bit)) {
             let mut corrupted = bytes;
             corrupted[bit / 8] ^= 1 << (bit % 8);
-            // The defined flag is valid.
+            // The defined flags are valid.
             let read = Manifest::parse(&corrupted, board::STM32F405);
-            assert_eq!(read.is_ok(), bit == 16 * 8, "bit {bit}");
+            assert_eq!(read.is_ok(), (16 * 8..16 * 8 + 2).contains(&bit), "bit {bit}");
         }
     }
 }

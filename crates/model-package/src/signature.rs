@@ -17,6 +17,53 @@ use sha2::{Digest, Sha512};
 /// Bytes of a public key.
 pub const KEY_LENGTH: usize = 32;
 
+/// Encodings of the points of small order, without the sign bit. With such a key, signatures are
+/// valid that were made without a private key.
+const SMALL_ORDER: [[u8; KEY_LENGTH]; 7] = [
+    number(0x00, 0x00, 0x00),
+    number(0x01, 0x00, 0x00),
+    [
+        0x26, 0xe8, 0x95, 0x8f, 0xc2, 0xb2, 0x27, 0xb0, 0x45, 0xc3, 0xf4, 0x89, 0xf2, 0xef, 0x98, 0xf0, 0xd5,
+        0xdf, 0xac, 0x05, 0xd3, 0xc6, 0x33, 0x39, 0xb1, 0x38, 0x02, 0x88, 0x6d, 0x53, 0xfc, 0x05,
+    ],
+    [
+        0xc7, 0x17, 0x6a, 0x70, 0x3d, 0x4d, 0xd8, 0x4f, 0xba, 0x3c, 0x0b, 0x76, 0x0d, 0x10, 0x67, 0x0f, 0x2a,
+        0x20, 0x53, 0xfa, 0x2c, 0x39, 0xcc, 0xc6, 0x4e, 0xc7, 0xfd, 0x77, 0x92, 0xac, 0x03, 0x7a,
+    ],
+    number(0xec, 0xff, 0x7f),
+    number(0xed, 0xff, 0x7f),
+    number(0xee, 0xff, 0x7f),
+];
+
+/// Returns a number of 32 bytes from its lowest, its middle and its highest ones.
+const fn number(lowest: u8, middle: u8, highest: u8) -> [u8; KEY_LENGTH] {
+    let mut bytes = [middle; KEY_LENGTH];
+    bytes[0] = lowest;
+    bytes[KEY_LENGTH - 1] = highest;
+    bytes
+}
+
+/// Decides whether a public key is a point of small order, which no private key has. The compiler
+/// can evaluate it.
+#[must_use]
+#[expect(clippy::indexing_slicing, reason = "the indices end with the arrays")]
+pub const fn is_weak(key: &[u8; KEY_LENGTH]) -> bool {
+    let mut point = 0;
+    while point < SMALL_ORDER.len() {
+        let (mut byte, mut is_same) = (0, true);
+        while byte < KEY_LENGTH {
+            let mask = if byte == KEY_LENGTH - 1 { 0x7f } else { 0xff };
+            is_same &= key[byte] & mask == SMALL_ORDER[point][byte];
+            byte += 1;
+        }
+        if is_same {
+            return true;
+        }
+        point += 1;
+    }
+    false
+}
+
 /// Decides whether a message was signed with the private key of a public key.
 #[must_use]
 pub(crate) fn is_signed(message: &[u8], signature: &[u8; SIGNATURE_LENGTH], key: &[u8; KEY_LENGTH]) -> bool {
@@ -31,6 +78,7 @@ pub(crate) fn is_signed(message: &[u8], signature: &[u8; SIGNATURE_LENGTH], key:
 #[cfg(test)]
 mod tests {
     use super::*;
+    use curve25519_dalek::constants::EIGHT_TORSION;
     use ed25519_dalek::{Signature, Signer, SigningKey};
     use proptest::prelude::*;
 
@@ -82,6 +130,33 @@ mod tests {
             carry >>= 8;
         }
         assert!(!is_signed(message, &other, &bytes(key)));
+    }
+
+    #[test]
+    fn exactly_the_points_of_small_order_are_weak_keys() {
+        for point in EIGHT_TORSION {
+            assert!(is_weak(&point.compress().0), "{point:?}");
+        }
+        for mut key in SMALL_ORDER {
+            for sign in [0, 0x80] {
+                key[KEY_LENGTH - 1] = key[KEY_LENGTH - 1] & 0x7f | sign;
+                assert!(is_weak(&key));
+                let point = CompressedEdwardsY(key).decompress();
+                assert!(point.is_none_or(|point| point.is_small_order()), "{key:?}");
+            }
+        }
+        assert!(KNOWN.iter().all(|(key, ..)| !is_weak(&bytes(key))));
+    }
+
+    /// An attack that makes a weak key useless: `R = s B` satisfies the equation for every
+    /// message.
+    #[test]
+    fn a_forged_signature_is_valid_under_the_neutral_point_which_is_weak() {
+        let neutral = EIGHT_TORSION[0].compress().0;
+        let mut forged = [0; SIGNATURE_LENGTH];
+        forged[..32].copy_from_slice(&EdwardsPoint::mul_base(&Scalar::ONE).compress().0);
+        forged[32] = 1;
+        assert!(is_signed(b"any message", &forged, &neutral) && is_weak(&neutral));
     }
 
     proptest! {

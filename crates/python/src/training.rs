@@ -101,7 +101,8 @@ pub(crate) fn package<'py>(
         known.ok_or_else(|| input(format!("board: found `{name}`; expected one of `{}`", names())))?;
     let key = parse(key.unwrap_or(DEVELOPMENT)).map_err(|error| input(format!("key: {error}")))?;
     let images: Vec<AlignedImage> = images.iter().map(|image| AlignedImage::copy(image)).collect();
-    let properties = PackageProperties { board: board.code, version, may_be_older: false };
+    let properties =
+        PackageProperties { board: board.code, version, may_be_older: false, revokes_older_keys: false };
     let package = Package::new(properties, &images, &key).map_err(input)?;
     Ok(PyBytes::new(py, &package.to_bytes()))
 }

@@ -26,10 +26,10 @@ fn main() {
 mod app {
     use controller::Session;
     use controller::service::{
-        Background, LinkService, Pacing, Ports, SharedSession, Stop, Tick, Unconnected,
+        Background, LinkService, Pacing, Ports, SharedSession, Stop, Stores, Tick, Unconnected,
     };
     use controller::session::Identity;
-    use controller::store::{Keeper, Store, key};
+    use controller::store::key;
     use controller::supervisor::light::{lit, shown};
     use controller::supervisor::{Attendance, Party, Verdict};
     use firmware::boards::{
@@ -108,11 +108,11 @@ mod app {
         let can_sample = pacing == Pacing::Timer && sensors.is_some();
         session.set_shortest_period(can_sample.then(|| shortest_period_us(&identity)));
         let Storage { slots, places } = storage;
-        let (store, models) = Store::start(slots, PACKAGES_FOR, key::KEY);
+        let (stores, models) = Stores::start(slots, places, PACKAGES_FOR, key::KEYS);
         session.switch_models(models);
         let platform = Platform::new(&attendance, timer);
         let background = Background::start(code_check(), stack_mark(), &mut session, &platform);
-        let service = LinkService::new(pacing, store, Keeper::start(places), background);
+        let service = LinkService::new(pacing, stores, background);
         // Both are expected from now on; sampling and inference only when there is something to
         // estimate.
         check_in(&attendance, Party::Link);
@@ -186,7 +186,7 @@ mod app {
         let mut platform = Platform::new(cx.shared.attendance, *cx.local.idle_timer);
         let (service, exchange) = (cx.local.service, &mut cx.shared.exchange);
         // Here and not in `init`: its large frame would lie below this one on the stack.
-        service.restore(exchange);
+        service.restore(exchange, &platform);
         let _hello = match cx.local.transports {
             Transports::Files(ports) => service.announce(ports, exchange),
             Transports::SerialAndProbe(ports) => service.announce(ports, exchange),
@@ -200,7 +200,11 @@ mod app {
             };
             match outcome {
                 Ok(()) => {}
-                Err(Stop::Closed) => leave(),
+                Err(Stop::Closed) => {
+                    #[cfg(feature = "provoke")]
+                    firmware::boards::provoke_at_end(&_hello.start);
+                    leave()
+                }
                 Err(Stop::Corrupted) => give_up(FaultKind::Starved { missing: MISSING_SELF_TEST }),
             }
         }

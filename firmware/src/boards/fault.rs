@@ -110,11 +110,13 @@ pub fn give_up(kind: FaultKind) -> ! {
     SCB::sys_reset()
 }
 
-/// Returns the report of this start and marks a new fault record as reported.
+/// Returns the report of this start, marks a new fault record as reported, and counts the start.
 pub(super) fn start_report(reason: ResetReason) -> StartReport {
     let stored = memory::stored_fault();
     if let Some((fault, true)) = stored {
         memory::store_fault(&fault, false);
     }
-    report(reason, stored)
+    let report = report(reason, stored);
+    memory::set_start_watch(memory::start_watch().after(report.reason));
+    report
 }

@@ -1,11 +1,11 @@
-//! Layout of the RAM: stack at the bottom; emergency stack and fault record where start-up does not
-//! clear them.
+//! Layout of the RAM: stack at the bottom; emergency stack, fault record and count of faulted
+//! starts where start-up does not clear them.
 //!
 //! ```text
 //! lowest address   guard (MPU: no access; cores with a stack limit have none)
 //!                  stack, growing down towards the guard
 //!                  .data, .bss: an overflow never reaches them
-//! highest          .uninit: emergency stack, fault record
+//! highest          .uninit: emergency stack, fault record, count of faulted starts
 //! ```
 //!
 //! The runtime paints the stack before it starts anything. [`stack_used`] searches for the lowest
@@ -17,6 +17,7 @@ use link::start::{FaultRecord, StackReport};
 
 use controller::supervisor::paint::Mark;
 use controller::supervisor::record::{WORDS, decode, encode};
+use controller::supervisor::start::StartWatch;
 
 /// Bytes of the emergency stack. `cargo xtask stack` checks that the fault handler needs no more.
 pub(super) const EMERGENCY_BYTES: usize = 1024;
@@ -36,14 +37,12 @@ unsafe extern "C" {
     static _stack_start: u32;
 }
 
-/// RAM that only a fault handler or start-up accesses, where nothing else runs.
+/// RAM that one part of the firmware accesses at a time: start-up, the link service after it, or a
+/// fault handler that ends in a reset.
 #[repr(C, align(8))]
 pub(super) struct Retained<T>(UnsafeCell<core::mem::MaybeUninit<T>>);
 
-#[expect(
-    unsafe_code,
-    reason = "touched by code that nothing can interrupt: start-up, or a handler that ends in a reset"
-)]
+#[expect(unsafe_code, reason = "no two parts access the same object at a time")]
 unsafe impl<T> Sync for Retained<T> {}
 
 impl<T> Retained<T> {
@@ -59,6 +58,25 @@ pub(super) static EMERGENCY: Retained<[u8; EMERGENCY_BYTES]> = Retained::new();
 #[expect(unsafe_code, reason = "this section is left alone by start-up, so the record outlives a reset")]
 #[unsafe(link_section = ".uninit.fault_record")]
 static RECORD: Retained<[u32; WORDS]> = Retained::new();
+
+#[expect(unsafe_code, reason = "as above, so that it counts starts")]
+#[unsafe(link_section = ".uninit.start_watch")]
+static START_WATCH: Retained<u32> = Retained::new();
+
+/// Returns the count of faulted starts.
+pub(super) fn start_watch() -> StartWatch {
+    #[expect(unsafe_code, reason = "any bits are a word; start-up and then the link service use it")]
+    let word = unsafe { START_WATCH.0.get().cast::<u32>().read_volatile() };
+    StartWatch::of_word(word)
+}
+
+/// Stores the count of faulted starts.
+pub(super) fn set_start_watch(watch: StartWatch) {
+    #[expect(unsafe_code, reason = "only start-up and then the link service use it")]
+    unsafe {
+        START_WATCH.0.get().cast::<u32>().write_volatile(watch.to_word());
+    }
+}
 
 /// Returns the lowest address of the stack, guard included.
 pub(super) fn stack_lowest() -> u32 {

@@ -41,7 +41,7 @@ pub use microcontroller::{Light, PACKAGES_FOR, Receiver, Sensors, Watchdog, devi
 #[cfg(feature = "provoke")]
 mod provoke;
 #[cfg(feature = "provoke")]
-pub use provoke::provoke;
+pub use provoke::{provoke, provoke_at_end};
 
 pub use check_in::check_in;
 pub use code::code_check;

@@ -2,12 +2,13 @@
 
 use controller::service;
 use controller::supervisor::paint::Mark;
+use controller::supervisor::start::StartWatch;
 use controller::supervisor::{Attendance, Party};
 use link::start::StackReport;
 
 use super::check_in::check_in;
 use super::code::code_word;
-use super::memory::stack_used;
+use super::memory::{self, stack_used};
 use super::timer::{Timer, uptime_us};
 
 /// Register of check-ins and timer of the work in lockstep.
@@ -49,6 +50,14 @@ impl service::Platform for Platform<'_> {
 
     fn search_stack(&self, mark: &mut Mark) -> StackReport {
         stack_used(mark)
+    }
+
+    fn start_watch(&self) -> StartWatch {
+        memory::start_watch()
+    }
+
+    fn set_start_watch(&self, watch: StartWatch) {
+        memory::set_start_watch(watch);
     }
 
     fn log_refused_update(&self, count: u16) {

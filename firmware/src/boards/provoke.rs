@@ -2,26 +2,34 @@
 //! and only in the emulator.
 //!
 //! The emulator's command line (`-semihosting-config ...,arg=NAME`) names the fault. It is
-//! committed once, after the first hello frame, unless that frame reports a fault. The code below
-//! is wrong on purpose.
+//! committed once, after the first hello frame, unless that frame reports a fault. `with-kept` is
+//! committed by every start that uses a kept configuration, and once by a start without one after
+//! its messages. The code below is wrong on purpose.
 
 use core::hint::black_box;
 
 use cortex_m_semihosting::nr;
-use link::start::{ResetReason, StartReport};
+use link::start::{KeptConfiguration, ResetReason, StartReport};
 
 use super::check_in::{check_in, keep_away};
 use super::memory;
 use controller::supervisor::{Attendance, Party};
 
+/// A fault of every start with a kept configuration.
+const WITH_KEPT: &[u8] = b"with-kept";
+
 /// Commits the fault that the command line names, if any.
 pub fn provoke(start: &StartReport, attendance: &Attendance) {
+    let mut buffer = [0_u8; 64];
+    let name = command_line(&mut buffer);
+    if name == WITH_KEPT && start.kept == KeptConfiguration::Restored {
+        load(0xD000_0000);
+    }
     if matches!(start.reason, ResetReason::Fault | ResetReason::Starved) {
         return;
     }
-    let mut buffer = [0_u8; 64];
     let away = |party: Party| starve(party, attendance);
-    match command_line(&mut buffer) {
+    match name {
         b"wild-load" => load(0xD000_0000),
         b"store-below-ram" => store(memory::stack_lowest().wrapping_sub(16)),
         b"store-into-guard" => store(memory::stack_lowest().wrapping_add(16)),
@@ -34,6 +42,13 @@ pub fn provoke(start: &StartReport, attendance: &Attendance) {
         b"starve-link" => away(Party::Link),
         b"starve-self-test" => away(Party::SelfTest),
         _ => {}
+    }
+}
+
+/// Provokes a fault at the end of the messages of a start that had no kept configuration.
+pub fn provoke_at_end(start: &StartReport) {
+    if command_line(&mut [0; 64]) == WITH_KEPT && start.kept == KeptConfiguration::None {
+        load(0xD000_0000);
     }
 }
 

@@ -121,6 +121,8 @@ fn report(
             output::json(&json!({
                 "running": source(status.running), "kept_without_power": status.memory == ModelMemory::Flash,
                 "capacity_bytes": status.capacity, "development_key": status.development_key,
+                "min_version": status.min_version, "trusted_keys": status.trusted_keys,
+                "revoked_keys": status.revoked_keys,
                 "altered": status.corrupted, "refused": records, "update": update,
             }))?
         );
@@ -144,6 +146,10 @@ fn report(
     if status.development_key {
         print_line!("trusted key    the published development key: for tests only");
     }
+    if status.revoked_keys > 0 {
+        print_line!("revoked keys   {}; {} are trusted", status.revoked_keys, status.trusted_keys);
+    }
+    print_line!("next version   {} or higher, unless signed to be older", status.min_version);
     if status.corrupted > 0 {
         print_line!(
             "corrupted      networks found corrupted and replaced {} times since start",

@@ -1,7 +1,7 @@
 //! Text for what a controller reports.
 
 use inference::{BearingMaterial, Flags};
-use link::start::{FaultKind, PARTIES, ResetReason, SupervisorReport};
+use link::start::{FaultKind, KeptConfiguration, PARTIES, ResetReason, SupervisorReport};
 use link::track::{FrictionState, SafeState, TrackReport, Wear};
 use link::update::{ModelMemory, ModelSource, SlotState, UpdateStatus};
 use link::{
@@ -80,6 +80,9 @@ pub(crate) fn identity(hello: &Hello, models: &UpdateStatus) -> Vec<(&'static st
             lines.push(("", meaning(fault.kind).into()));
         }
     }
+    if let Some(text) = kept(hello.start.kept) {
+        lines.push(("configuration", text));
+    }
     lines.push(("state", state(hello.state).into()));
     for (bearing, model) in BearingMaterial::ALL.into_iter().zip(hello.models) {
         let text = match model.crc {
@@ -92,6 +95,21 @@ pub(crate) fn identity(hello: &Hello, models: &UpdateStatus) -> Vec<(&'static st
     let stack = hello.stack;
     lines.push(("stack", format!("{} of {} bytes used", stack.used_bytes, stack.reserved_bytes)));
     lines
+}
+
+/// Use of the kept configuration; none if there is none.
+fn kept(kept: KeptConfiguration) -> Option<String> {
+    match kept {
+        KeptConfiguration::None => None,
+        KeptConfiguration::Restored => Some("restored from flash at the start".into()),
+        KeptConfiguration::Refused => {
+            Some("kept in flash, but refused by this firmware: configure it again to see why".into())
+        }
+        KeptConfiguration::SetAside { faulted_starts } => Some(format!(
+            "kept in flash, but not used: {faulted_starts} starts in a row faulted with it; keep another \
+             one, or reset the controller by its pin to try it again"
+        )),
+    }
 }
 
 fn source(models: &UpdateStatus) -> String {
@@ -114,6 +132,9 @@ fn source(models: &UpdateStatus) -> String {
     if models.development_key {
         text += "; trusts the published development key";
     }
+    if models.revoked_keys > 0 {
+        text += &format!("; {} keys revoked, {} trusted", models.revoked_keys, models.trusted_keys);
+    }
     text
 }
 
@@ -133,6 +154,7 @@ pub(crate) fn slots(models: &UpdateStatus) -> Vec<(&'static str, String)> {
             (name, text)
         })
         .collect();
+    lines.push(("next version", format!("{} or higher", models.min_version)));
     if let Some(refused) = models.last_refusal {
         lines.push(("last refusal", format!("version {}: {}", refused.version, refused.reason)));
     }
@@ -332,15 +354,24 @@ mod tests {
     }
 
     #[test]
+    fn a_configuration_that_was_set_aside_is_explained() {
+        assert_eq!(kept(KeptConfiguration::None), None);
+        let text = kept(KeptConfiguration::SetAside { faulted_starts: 3 }).unwrap_or_default();
+        assert!(text.contains("3 starts in a row faulted with it"), "{text}");
+    }
+
+    #[test]
     fn slots_and_the_last_refusal_are_shown() {
         let reason = UpdateRefusal::Board { found: 0x405, expected: 0x505 };
         let models = UpdateStatus {
             slots: [SlotState::Valid { version: 7 }, SlotState::Unfinished],
             last_refusal: Some(RefusedPackage { number: 0, slot: None, version: 9, reason }),
+            min_version: 8,
             ..UpdateStatus::default()
         };
         let lines = slots(&models);
         assert_eq!(lines[0].1, "version 7, valid");
-        assert_eq!(lines[2].1, "version 9: made for board 0x0405, this is board 0x0505");
+        assert_eq!(lines[2].1, "8 or higher");
+        assert_eq!(lines[3].1, "version 9: made for board 0x0405, this is board 0x0505");
     }
 }

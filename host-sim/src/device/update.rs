@@ -176,7 +176,8 @@ mod tests {
 
     fn package() -> Package {
         let key = model_quant::exchange::key::parse(model_quant::exchange::key::DEVELOPMENT).expect("key");
-        let purpose = PackageProperties { board: 0x0405, version: 3, may_be_older: false };
+        let purpose =
+            PackageProperties { board: 0x0405, version: 3, may_be_older: false, revokes_older_keys: false };
         Package::new(purpose, &[AlignedImage::copy(shipped(BearingMaterial::Babbitt))], &key)
             .expect("package")
     }

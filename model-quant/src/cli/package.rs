@@ -9,17 +9,21 @@ use crate::exchange::package::{Package, PackageProperties};
 use crate::quantise::image::AlignedImage;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use inference::{BearingMaterial, shipped};
-use model_package::board;
+use model_package::{MAX_VERSION, board};
 use serde_json::json;
 use std::path::PathBuf;
+
+/// Options that a package to show has already.
+const SIGNING: [&str; 5] = ["images", "version", "may_be_older", "revoke_older_keys", "out"];
 
 /// Sign model images for a controller
 ///
 /// The package contains the images, a self-test for each (inputs with the networks' results), and
 /// an ed25519 signature over everything. The controller repeats the self-test before it runs an
-/// image. It accepts a package whose version is above that of its current models. A package signed
-/// with `--may-be-older` is accepted at any time, so its owner can always go back to it. The same
-/// inputs give the same bytes.
+/// image. It accepts a package whose version is above every one that was installed before. A
+/// package signed with `--may-be-older` is accepted at any time, so its owner can always go back to
+/// it. A firmware may trust several keys; a package signed with a later one and
+/// `--revoke-older-keys` ends the trust in those before it. The same inputs give the same bytes.
 #[derive(Debug, clap::Args)]
 #[command(
     visible_alias = "sign",
@@ -33,12 +37,12 @@ pub(crate) struct Arguments {
     /// Model images, at most one for each bearing; default: the shipped ones of both bearings
     #[arg(value_name = "IMAGE")]
     images: Vec<PathBuf>,
-    /// Version of the model, from 1
+    /// Version of the model; it shuts out all lower ones
     #[arg(
         long,
         value_name = "N",
         required_unless_present = "show",
-        value_parser = clap::value_parser!(u32).range(1..)
+        value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_VERSION))
     )]
     version: Option<u32>,
     /// Board that the package is for
@@ -47,6 +51,9 @@ pub(crate) struct Arguments {
     /// Let controllers install it over newer models
     #[arg(long)]
     may_be_older: bool,
+    /// End the controllers' trust in the keys that their firmware lists before this one
+    #[arg(long)]
+    revoke_older_keys: bool,
     /// File with the secret key; the published development key if not given
     #[arg(long, value_name = "FILE")]
     key: Option<PathBuf>,
@@ -54,7 +61,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FILE", required_unless_present = "show")]
     out: Option<PathBuf>,
     /// Only print the content of a package
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["images", "version", "may_be_older", "out"])]
+    #[arg(long, value_name = "FILE", conflicts_with_all = SIGNING)]
     show: Option<PathBuf>,
     /// Print as JSON
     #[arg(long)]
@@ -88,8 +95,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
             (path, read.map_err(wrong(path))?)
         }
         (None, Some(path), Some(version)) => {
-            let properties =
-                PackageProperties { board: arguments.board, version, may_be_older: arguments.may_be_older };
+            let properties = PackageProperties {
+                board: arguments.board,
+                version,
+                may_be_older: arguments.may_be_older,
+                revokes_older_keys: arguments.revoke_older_keys,
+            };
             let package = Package::new(properties, &images(arguments)?, &key).map_err(wrong(path))?;
             write_atomically(path, &package.to_bytes())?;
             (path, package)
@@ -112,16 +123,18 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
         return print_json(&json!({
             "file": path.display().to_string(), "version": manifest.version,
             "board": format!("{:04x}", manifest.board),
-            "may_be_older": manifest.may_be_older, "bytes": package.to_bytes().len(),
+            "may_be_older": manifest.may_be_older,
+            "revokes_older_keys": manifest.revokes_older_keys, "bytes": package.to_bytes().len(),
             "hash": digits(&manifest.hash),
             "images": images, "signed_for": signed.then(|| digits(&public)),
         }));
     }
     print(format_args!("{}: {} bytes", path.display(), package.to_bytes().len()))?;
     print(format_args!(
-        "  version   {}{}",
+        "  version   {}{}{}",
         manifest.version,
-        if manifest.may_be_older { ", may be older" } else { "" }
+        if manifest.may_be_older { ", may be older" } else { "" },
+        if manifest.revokes_older_keys { ", revokes older keys" } else { "" }
     ))?;
     print(format_args!("  board     {:#06x}", manifest.board))?;
     for (bearing, crc, header, bytes) in package.images() {

@@ -8,7 +8,7 @@ use crate::quantise::image::AlignedImage;
 use ed25519_dalek::{Signer, SigningKey};
 use inference::{BearingMaterial, Header, ImageError, Model, Pair, Sample};
 use link::update::{MANIFEST_LENGTH, SIGNATURE_LENGTH, SignedManifest, UpdateRefusal};
-use model_package::{MIN_SAMPLES, Manifest, authenticate, check, hash_of, self_test};
+use model_package::{MAX_VERSION, MIN_SAMPLES, Manifest, authenticate, check, hash_of, self_test};
 use std::path::Path;
 
 /// Number of samples of a self-test.
@@ -28,6 +28,9 @@ pub struct PackageProperties {
     pub version: u32,
     /// True if the controller may install it over a newer version.
     pub may_be_older: bool,
+    /// True if the controller must no longer trust the keys that its firmware lists before the
+    /// signer's.
+    pub revokes_older_keys: bool,
 }
 
 /// Reason why a package could not be made or read.
@@ -42,9 +45,9 @@ pub enum PackageError {
     /// No image.
     #[error("no image, expected at least one")]
     Empty,
-    /// Version 0, which denotes the built-in models.
-    #[error("version 0, expected at least 1: 0 stands for the models built into a firmware")]
-    Version,
+    /// Version that no controller accepts; 0 denotes the built-in models.
+    #[error("version {0}, expected 1 to {MAX_VERSION}: 0 stands for the models built into a firmware")]
+    Version(u32),
     /// The bytes are not a package.
     #[error("{found} bytes, expected {expected}")]
     Length {
@@ -74,14 +77,14 @@ impl Package {
     ///
     /// # Errors
     ///
-    /// No image, two of one bearing, one that a controller would refuse, or version 0.
+    /// No image, two of one bearing, one that a controller would refuse, or a version out of range.
     pub fn new(
         properties: PackageProperties,
         images: &[AlignedImage],
         key: &SigningKey,
     ) -> Result<Self, PackageError> {
-        if properties.version == 0 {
-            return Err(PackageError::Version);
+        if !(1..=MAX_VERSION).contains(&properties.version) {
+            return Err(PackageError::Version(properties.version));
         }
         let mut parts = [const { None::<(&[u8], Vec<u8>)> }; BearingMaterial::COUNT];
         for image in images {
@@ -102,6 +105,7 @@ impl Package {
             board: properties.board,
             version: properties.version,
             may_be_older: properties.may_be_older,
+            revokes_older_keys: properties.revokes_older_keys,
             images: parts.each_ref().map(|part| part.as_ref().map_or(0, |(image, _)| image.len() as u32)),
             samples: parts.each_ref().map(|part| if part.is_some() { SAMPLES } else { 0 }),
             hash: hash_of(&payload),
@@ -153,7 +157,7 @@ impl Package {
     /// Returns true if a controller that trusts this key would accept the signature.
     #[must_use]
     pub(crate) fn is_signed_for(&self, key: &[u8; 32]) -> bool {
-        authenticate(&self.signed, self.manifest.board, key).is_ok()
+        authenticate(&self.signed, self.manifest.board, &[*key]).is_ok()
     }
 
     /// Bearing, checksum, header and length of every image.
@@ -206,7 +210,7 @@ mod tests {
     use inference::shipped;
 
     const PROPERTIES: PackageProperties =
-        PackageProperties { board: 0x0405, version: 3, may_be_older: false };
+        PackageProperties { board: 0x0405, version: 3, may_be_older: false, revokes_older_keys: false };
 
     fn package(images: &[BearingMaterial]) -> Result<Package, PackageError> {
         let images: Vec<_> = images.iter().map(|&bearing| AlignedImage::copy(shipped(bearing))).collect();

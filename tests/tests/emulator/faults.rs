@@ -5,11 +5,12 @@
 //! command line, resets, sends the next hello frame and ends.
 
 use crate::batch;
+use controller::configuration::BENCH_B;
 use controller::emulator::MACHINE;
 use controller::supervisor::record::build_hash;
 use host_sim::controller::EmulatedController;
-use link::start::{FaultKind, FaultRecord, ResetReason};
-use link::{Hello, ToHost};
+use link::start::{FaultKind, FaultRecord, KeptConfiguration, ResetReason};
+use link::{Command, Hello, NumberedCommand, ToController, ToHost};
 use object::{Object, ObjectSymbol};
 use std::path::{Path, PathBuf};
 use std::process::ExitStatus;
@@ -18,9 +19,19 @@ fn provoking() -> PathBuf {
     EmulatedController::default_elf().with_file_name("estimator-provoke")
 }
 
-/// Runs an image until it ends; returns the exit status and its last hello frame.
-fn run(image: &Path, provocation: &str, more: &[&str]) -> (ExitStatus, Hello) {
-    let (status, received) = batch::run(MACHINE, image, provocation, more, &[]);
+/// Runs an image over messages until it ends; returns the exit status and its last hello frame.
+fn run(image: &Path, provocation: &str, messages: &[ToController]) -> (ExitStatus, Hello) {
+    run_with(image, provocation, &[], messages)
+}
+
+/// Runs an image with more arguments of the emulator.
+fn run_with(
+    image: &Path,
+    provocation: &str,
+    more: &[&str],
+    messages: &[ToController],
+) -> (ExitStatus, Hello) {
+    let (status, received) = batch::run(MACHINE, image, provocation, more, messages);
     let mut hellos = received.iter().filter_map(|message| match message {
         ToHost::Hello(hello) => Some(*hello),
         _ => None,
@@ -88,13 +99,27 @@ fn a_task_that_does_not_check_in_is_named() {
 }
 
 #[test]
+fn a_kept_configuration_with_which_every_start_faults_does_not_restart_the_controller_for_ever() {
+    let commands = [Command::Configure(BENCH_B), Command::Stop, Command::Keep];
+    let messages: Vec<_> = (1..)
+        .zip(commands)
+        .map(|(id, command)| ToController::Command(NumberedCommand { id, command }))
+        .collect();
+    // The first start keeps it and faults; the next three use it and fault.
+    let (status, hello) = run(&provoking(), "with-kept", &messages);
+    assert!(status.success(), "{status}");
+    assert_eq!(hello.start.kept, KeptConfiguration::SetAside { faulted_starts: 3 });
+    assert_eq!(hello.start.fault.map(|fault| fault.count), Some(4));
+}
+
+#[test]
 fn a_panic_is_recorded_as_one() {
     assert_eq!(record("panic").kind, FaultKind::Panic);
 }
 
 #[test]
 fn a_fault_ends_the_emulation_if_no_reset_is_allowed() {
-    let (status, hello) = run(&provoking(), "wild-load", &["-no-reboot"]);
+    let (status, hello) = run_with(&provoking(), "wild-load", &["-no-reboot"], &[]);
     assert!(status.success(), "{status}");
     assert_eq!(hello.start.fault, None, "the hello frame before the fault");
 }

@@ -36,7 +36,7 @@ pub(crate) fn package(version: u32, bearing: BearingMaterial) -> Package {
 }
 
 pub(crate) fn package_for(board: u16, version: u32, bearing: BearingMaterial) -> Package {
-    let purpose = PackageProperties { board, version, may_be_older: false };
+    let purpose = PackageProperties { board, version, may_be_older: false, revokes_older_keys: false };
     Package::new(purpose, &[other_image(bearing)], &development_key()).unwrap()
 }
 
@@ -141,7 +141,7 @@ fn packages_that_are_unsigned_corrupted_older_or_for_another_board_are_refused_a
     unsigned.signed.signature = [[0; 32]; 2];
     assert_eq!(refused(&mut controller, &unsigned), UpdateRefusal::Signature);
     let foreign = Package::new(
-        PackageProperties { board: BOARD, version: 8, may_be_older: false },
+        PackageProperties { board: BOARD, version: 8, may_be_older: false, revokes_older_keys: false },
         &[other_image(BearingMaterial::Plastic)],
         &SigningKey::from_bytes(&[3; 32]),
     );
@@ -149,7 +149,7 @@ fn packages_that_are_unsigned_corrupted_older_or_for_another_board_are_refused_a
     let older = package(6, BearingMaterial::Babbitt);
     assert_eq!(refused(&mut controller, &older), UpdateRefusal::Version { found: 6, least: 8 });
     let other_board = Package::new(
-        PackageProperties { board: 0x2350, version: 8, may_be_older: false },
+        PackageProperties { board: 0x2350, version: 8, may_be_older: false, revokes_older_keys: false },
         &[other_image(BearingMaterial::Plastic)],
         &development_key(),
     );

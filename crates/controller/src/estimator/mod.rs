@@ -52,10 +52,11 @@ const LOST_SAMPLES: Flags = Flags::from_bits(SEQUENCE_GAP.bits() | TIME_FAULT.bi
 
 /// The estimator of one bench.
 #[derive(Clone, Debug)]
+#[repr(C)]
 pub struct Estimator {
+    state: Guarded<State>,
     setup: Setup,
     plausibility: Plausibility,
-    state: Guarded<State>,
     /// The filter's estimate while the networks work.
     waiting: Guarded<FilterEstimate>,
     pair: Pair<'static>,

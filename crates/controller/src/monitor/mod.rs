@@ -34,6 +34,7 @@ use tracked::{Tracked, TrackedState};
 
 /// An estimator under supervision.
 #[derive(Clone, Debug)]
+#[repr(C)]
 pub struct Monitor {
     estimator: Estimator,
     config: Config,

@@ -9,6 +9,7 @@ use super::shared_session::{SampleSource, SharedSession};
 use crate::session::{Session, TickSource};
 use crate::supervisor::paint::Mark;
 use crate::supervisor::self_test::Progress;
+use crate::supervisor::start::StartWatch;
 use crate::supervisor::{Attendance, CodeCheck, Party, SelfTest};
 
 /// Number of passes in lockstep per pass of the self-test, which must not slow down the
@@ -36,6 +37,12 @@ pub trait Platform {
     fn code_word(&self, address: usize) -> u32;
     /// Searches further for the deepest use of the stack and reports the result so far.
     fn search_stack(&self, mark: &mut Mark) -> StackReport;
+    /// Returns the count of faulted starts.
+    fn start_watch(&self) -> StartWatch {
+        StartWatch::default()
+    }
+    /// Stores the count of faulted starts for the next start.
+    fn set_start_watch(&self, _watch: StartWatch) {}
     /// Logs that a request about models was refused; `count` is the number of packages refused so
     /// far.
     fn log_refused_update(&self, _count: u16) {}

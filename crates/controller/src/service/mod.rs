@@ -12,32 +12,40 @@
 mod background;
 mod pace;
 mod shared_session;
+mod stores;
 mod transport;
 
 #[cfg(test)]
 mod tests;
 
-use link::start::{PARTIES, Presence};
+use link::start::{KeptConfiguration, PARTIES, Presence};
 use link::track::SensorStatus;
 use link::update::{UpdateAnswer, UpdateRequest};
 use link::{
-    CONFIGURATION_VERSION, FrameError, Hello, MAX_FRAME, SensorFrame, State, ToController, ToHost, encode,
+    Acknowledgement, Answer, FrameError, Hello, MAX_FRAME, SensorFrame, State, ToController, ToHost, encode,
 };
 use rtic_core::Mutex;
 
 use crate::impacts::MAX_WAITING;
 pub use crate::session::LineReport;
 use crate::session::{NoTicks, Status};
-use crate::store::{Keeper, SlotMemory, Store};
+use crate::store::SlotMemory;
 use crate::supervisor::Party;
+use crate::supervisor::start::StartWatch;
 pub use background::{Background, Platform};
 pub use pace::{Pace, Pacing};
 pub use shared_session::{SampleSource, SharedSession, Tick};
+pub use stores::Stores;
 use transport::Event;
 pub use transport::{Ports, Purpose, Received, Transport, Unconnected};
 
 /// Maximum number of received bytes that one pass reads.
 const MAX_BYTES_PER_PASS: usize = 256;
+
+/// Number of faulted starts in a row after which the kept configuration is set aside.
+pub const MAX_FAULTED_STARTS: u8 = 3;
+/// Time after which a start has not faulted, us.
+const FAULTLESS_US: u32 = 60_000_000;
 
 /// Reason for the end of the service.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,30 +59,66 @@ pub enum Stop {
 /// The service with everything that only it uses.
 pub struct LinkService<M> {
     pacing: Pacing,
-    store: Store<M>,
-    keeper: Keeper<M>,
+    stores: Stores<M>,
     background: Background,
+    /// True until this start has run without a fault for long enough.
+    is_watched: bool,
 }
 
 impl<M: SlotMemory> LinkService<M> {
     /// Creates the service.
-    pub const fn new(pacing: Pacing, store: Store<M>, keeper: Keeper<M>, background: Background) -> Self {
-        Self { pacing, store, keeper, background }
+    pub const fn new(pacing: Pacing, stores: Stores<M>, background: Background) -> Self {
+        Self { pacing, stores, background, is_watched: false }
     }
 
-    /// Restores the saved configuration, so that a controller beside a bench works without a host
-    /// after a restart. A refusal means that another build saved the configuration.
-    pub fn restore<S: SampleSource>(&mut self, shared: &mut impl Mutex<T = SharedSession<S>>) {
-        let Some(configuration) = self.keeper.value(CONFIGURATION_VERSION.into()) else { return };
-        shared.lock(|shared| {
-            let _ = shared.session.configure(&configuration);
-            shared.rewire();
-            if configuration.wiring.sample_at_start {
-                // Refused on a board without sensors and for a period that is too short; idle ticks
-                // then count.
-                let _ = shared.session.start_sampling();
+    /// Restores the kept configuration, so that a controller beside a bench works without a host
+    /// after a restart. Keeps the requirements of the installed packages.
+    ///
+    /// A configuration with which [`MAX_FAULTED_STARTS`] starts in a row have faulted is set aside:
+    /// it remains stored, and the controller waits for the host.
+    pub fn restore<S: SampleSource>(
+        &mut self,
+        shared: &mut impl Mutex<T = SharedSession<S>>,
+        platform: &impl Platform,
+    ) {
+        let StartWatch { faulted: faulted_starts, .. } = platform.start_watch();
+        let is_set_aside = faulted_starts >= MAX_FAULTED_STARTS;
+        if !is_set_aside {
+            // If this fails, the next update is refused.
+            self.stores.keep_trust();
+        }
+        let Some(configuration) = self.stores.configuration() else { return };
+        let kept = shared.lock(|shared| {
+            let kept = if is_set_aside {
+                KeptConfiguration::SetAside { faulted_starts }
+            } else if shared.session.configure(&configuration).is_err() {
+                KeptConfiguration::Refused
+            } else {
+                KeptConfiguration::Restored
+            };
+            shared.session.set_kept_configuration(kept);
+            if kept == KeptConfiguration::Restored {
+                shared.rewire();
             }
+            kept
         });
+        if kept != KeptConfiguration::Restored {
+            return;
+        }
+        self.is_watched = true;
+        platform.set_start_watch(StartWatch { faulted: faulted_starts, is_watched: true });
+        if configuration.wiring.sample_at_start {
+            // Refused on a board without sensors and for a period that is too short; idle ticks
+            // then count.
+            let _ = shared.lock(|shared| shared.session.start_sampling());
+        }
+    }
+
+    /// Ends the watch over this start, which has not faulted or whose configuration is no longer
+    /// the kept one.
+    fn end_watch(&mut self, platform: &impl Platform) {
+        self.is_watched = false;
+        platform.set_start_watch(StartWatch::default());
     }
 
     /// Sends the hello frame of a start at every port, so that a host in the middle of a run
@@ -105,6 +149,9 @@ impl<M: SlotMemory> LinkService<M> {
     ) -> Result<(), Stop> {
         let parties = platform.attendance().look(platform.uptime_us());
         platform.check_in(Party::Link);
+        if self.is_watched && platform.uptime_us() >= FAULTLESS_US {
+            self.end_watch(platform);
+        }
         self.receive(ports, shared, platform, parties)?;
         self.replace_corrupted_models(shared);
         send_estimates(ports, shared);
@@ -166,11 +213,15 @@ impl<M: SlotMemory> LinkService<M> {
             Ok(message) => {
                 self.update_status(shared, platform, parties);
                 self.save_configuration(&message, shared);
-                shared.lock(|shared| {
+                let reply = shared.lock(|shared| {
                     let reply = shared.session.handle(&message, &mut NoTicks);
                     shared.rewire();
                     reply
-                })
+                });
+                if let ToHost::Acknowledged(Acknowledgement { outcome: Ok(Answer::Kept), .. }) = reply {
+                    self.end_watch(platform);
+                }
+                reply
             }
             Err(error) => shared.lock(|shared| shared.session.bad_frame(error)),
         }
@@ -185,9 +236,9 @@ impl<M: SlotMemory> LinkService<M> {
         platform: &impl Platform,
     ) -> ToHost {
         let is_estimating = shared.lock(|shared| shared.session.state() != State::Waiting);
-        let served = self.store.serve(request, is_estimating);
+        let served = self.stores.serve(request, is_estimating);
         if let UpdateAnswer::Refused(_) = served.answer {
-            platform.log_refused_update(self.store.status().refused);
+            platform.log_refused_update(self.stores.packages.status().refused);
         }
         if let Some(models) = served.models {
             shared.lock(|shared| shared.session.switch_models(models));
@@ -203,7 +254,7 @@ impl<M: SlotMemory> LinkService<M> {
         platform: &impl Platform,
         parties: [Presence; PARTIES.len()],
     ) {
-        let (uptime_us, models) = (platform.uptime_us(), self.store.status());
+        let (uptime_us, models) = (platform.uptime_us(), self.stores.packages.status());
         shared.lock(|shared| {
             let sample = shared.latest_sample();
             shared.session.update_status(Status { uptime_us, parties, models, sample });
@@ -217,7 +268,7 @@ impl<M: SlotMemory> LinkService<M> {
         shared: &mut impl Mutex<T = SharedSession<S>>,
     ) {
         if let Some(configuration) = shared.lock(|shared| shared.session.configuration_to_save(message)) {
-            let is_saved = self.keeper.keep(CONFIGURATION_VERSION.into(), &configuration).is_ok();
+            let is_saved = self.stores.keep(&configuration).is_ok();
             shared.lock(|shared| shared.session.set_saved(is_saved));
         }
     }
@@ -225,7 +276,7 @@ impl<M: SlotMemory> LinkService<M> {
     /// Switches to intact networks if the session has found those in use corrupted.
     fn replace_corrupted_models<S: SampleSource>(&mut self, shared: &mut impl Mutex<T = SharedSession<S>>) {
         if shared.lock(|shared| shared.session.take_model_corruption()) {
-            let models = self.store.replace_corrupted();
+            let models = self.stores.packages.replace_corrupted();
             shared.lock(|shared| shared.session.switch_models(models));
         }
     }

@@ -62,6 +62,10 @@ pub enum Tick {
 }
 
 /// The session with the queues between tick and service, and the board's sensors.
+///
+/// In this type and those within it the state of the filter comes first. It is a static of the
+/// firmware, and offsets below 4 KiB fit into an instruction of the core.
+#[repr(C)]
 pub struct SharedSession<S> {
     /// The session.
     pub session: Session,

@@ -1,12 +1,14 @@
 //! The service with a scripted transport.
 
+use std::cell::Cell;
 use std::collections::VecDeque;
 use std::convert::Infallible;
 
 use embedded_storage::nor_flash::{ErrorType, MultiwriteNorFlash, NorFlash, NorFlashErrorKind, ReadNorFlash};
+use inference::BearingMaterial;
 use link::start::StackReport;
 use link::track::SensorStatus;
-use link::update::{ModelMemory, UpdateRequest};
+use link::update::{FlashOperation, ModelMemory, SlotState, UpdateRefusal};
 use link::{
     Answer, BuildId, ClockSource, Command, Decoder, NumberedCommand, ReportKind, SensorFrame, SlowReport,
     Target, ToController, ToHost,
@@ -19,6 +21,11 @@ use crate::session::{Identity, NoTicks, Session};
 use crate::store::key::DEVELOPMENT_KEY;
 use crate::supervisor::paint::{Mark, PAINT};
 use crate::supervisor::{Attendance, CodeCheck, Periods};
+
+#[allow(dead_code, unreachable_pub, reason = "the tests of the store use the rest")]
+#[path = "../../tests/store/package.rs"]
+mod package;
+use package::Package;
 
 /// Addresses of the test's code.
 const SPANS: [std::ops::Range<usize>; crate::supervisor::code::SPANS] = {
@@ -78,7 +85,10 @@ impl Transport for &mut Script {
 }
 
 /// Flash memory of two parts.
-struct Flash(Box<[u8; 2 * 20 * 1024]>);
+struct Flash {
+    bytes: Box<[u8; 2 * 20 * 1024]>,
+    is_worn: bool,
+}
 
 impl ErrorType for Flash {
     type Error = NorFlashErrorKind;
@@ -88,12 +98,12 @@ impl ReadNorFlash for Flash {
     const READ_SIZE: usize = 1;
 
     fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), NorFlashErrorKind> {
-        bytes.copy_from_slice(&self.0[offset as usize..][..bytes.len()]);
+        bytes.copy_from_slice(&self.bytes[offset as usize..][..bytes.len()]);
         Ok(())
     }
 
     fn capacity(&self) -> usize {
-        self.0.len()
+        self.bytes.len()
     }
 }
 
@@ -102,15 +112,15 @@ impl NorFlash for Flash {
     const ERASE_SIZE: usize = 4;
 
     fn erase(&mut self, from: u32, to: u32) -> Result<(), NorFlashErrorKind> {
-        self.0[from as usize..to as usize].fill(0xFF);
+        self.bytes[from as usize..to as usize].fill(0xFF);
         Ok(())
     }
 
     fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), NorFlashErrorKind> {
-        for (stored, byte) in self.0[offset as usize..].iter_mut().zip(bytes) {
+        for (stored, byte) in self.bytes[offset as usize..].iter_mut().zip(bytes) {
             *stored &= byte;
         }
-        Ok(())
+        if self.is_worn { Err(NorFlashErrorKind::Other) } else { Ok(()) }
     }
 }
 
@@ -125,8 +135,12 @@ impl SlotMemory for Flash {
         false
     }
 
-    fn in_place(&self, _offset: u32, _length: u32) -> &'static [u8] {
-        &[]
+    /// Returns a copy at an aligned address.
+    fn in_place(&self, offset: u32, length: u32) -> &'static [u8] {
+        let bytes = &self.bytes[offset as usize..][..length as usize];
+        let words: Vec<u32> =
+            bytes.chunks_exact(4).map(|b| u32::from_le_bytes(b.try_into().unwrap())).collect();
+        bytemuck::cast_slice(words.leak())
     }
 }
 
@@ -136,6 +150,7 @@ struct Board {
     uptime_us: u32,
     code: [u32; 16],
     ticks: NoTicks,
+    watch: Cell<StartWatch>,
 }
 
 impl Platform for Board {
@@ -151,6 +166,14 @@ impl Platform for Board {
 
     fn attendance(&self) -> &Attendance {
         &self.attendance
+    }
+
+    fn start_watch(&self) -> StartWatch {
+        self.watch.get()
+    }
+
+    fn set_start_watch(&self, watch: StartWatch) {
+        self.watch.set(watch);
     }
 
     fn code_word(&self, address: usize) -> u32 {
@@ -171,12 +194,18 @@ struct Fixture {
 }
 
 fn fixture(pacing: Pacing, places: Flash) -> Fixture {
+    fixture_with(pacing, blank(), places)
+}
+
+/// A fixture with the memories of slots and kept values.
+fn fixture_with(pacing: Pacing, slots: Flash, places: Flash) -> Fixture {
     let periods = Periods { sampling_us: 1_000, inference_us: 1_000, link_us: 1_000, self_test_us: 1_000 };
     let board = Board {
         attendance: Attendance::new(periods),
         uptime_us: 0,
         code: std::array::from_fn(|index| index as u32),
         ticks: NoTicks,
+        watch: Cell::default(),
     };
     let identity = Identity {
         build_id: BuildId::new("test"),
@@ -185,17 +214,16 @@ fn fixture(pacing: Pacing, places: Flash) -> Fixture {
         core_hz: 0,
     };
     let mut session = Session::new(identity);
-    let slots = Flash(Box::new([0xFF; 2 * 20 * 1024]));
-    let (store, models) = Store::start(slots, 0, DEVELOPMENT_KEY);
+    let (stores, models) = Stores::start(slots, places, package::BOARD, &[DEVELOPMENT_KEY]);
     session.switch_models(models);
     let code = CodeCheck::new(SPANS, crate::supervisor::code::UNSEALED);
     let background = Background::start(code, Mark::new(10), &mut session, &board);
-    let service = LinkService::new(pacing, store, Keeper::start(places), background);
+    let service = LinkService::new(pacing, stores, background);
     Fixture { service, shared: SharedSession::new(session, None), board }
 }
 
 fn blank() -> Flash {
-    Flash(Box::new([0xFF; 2 * 20 * 1024]))
+    Flash { bytes: Box::new([0xFF; 2 * 20 * 1024]), is_worn: false }
 }
 
 impl Fixture {
@@ -206,6 +234,14 @@ impl Fixture {
         (0..passes).try_for_each(|_| {
             self.service.pass(&mut ports, &mut Exclusive(&mut self.shared), &mut self.board)
         })
+    }
+
+    fn restore(&mut self) {
+        self.service.restore(&mut Exclusive(&mut self.shared), &self.board);
+    }
+
+    fn kept(&self) -> KeptConfiguration {
+        self.shared.session.hello(0).start.kept
     }
 
     fn ask(&mut self, message: ToController) -> Vec<ToHost> {
@@ -323,11 +359,126 @@ fn a_saved_configuration_is_restored_at_the_next_start() {
     first.order(Command::Configure(BENCH_B));
     first.order(Command::Stop);
     assert_eq!(first.order(Command::Keep), Answer::Kept);
-    let mut second = fixture(Pacing::Timer, first.service.keeper.into_memory());
+    let mut second = fixture(Pacing::Timer, first.places());
     assert!(!second.shared.is_running());
-    second.service.restore(&mut Exclusive(&mut second.shared));
+    second.restore();
     assert!(second.shared.is_running());
     assert_eq!(second.order(Command::GetConfiguration), Answer::Configuration(Some(BENCH_B)));
+    assert_eq!(second.kept(), KeptConfiguration::Restored);
+}
+
+/// Memory with a kept configuration.
+fn with_configuration() -> Flash {
+    let mut fixture = fixture(Pacing::Timer, blank());
+    fixture.order(Command::Configure(BENCH_B));
+    fixture.order(Command::Stop);
+    assert_eq!(fixture.order(Command::Keep), Answer::Kept);
+    fixture.places()
+}
+
+/// A start after some faulted ones.
+fn start_after(faulted: u8, places: Flash) -> Fixture {
+    let mut start = fixture(Pacing::Timer, places);
+    start.board.watch.set(StartWatch { faulted, is_watched: false });
+    start.restore();
+    start
+}
+
+#[test]
+fn a_configuration_with_which_three_starts_faulted_is_set_aside_until_the_host_keeps_one() {
+    let mut places = with_configuration();
+    for faulted in 0..MAX_FAULTED_STARTS {
+        let start = start_after(faulted, places);
+        assert!(start.shared.is_running(), "{faulted}");
+        assert_eq!(start.kept(), KeptConfiguration::Restored);
+        assert_eq!(start.board.watch.get(), StartWatch { faulted, is_watched: true });
+        places = start.places();
+    }
+    let faulted = MAX_FAULTED_STARTS;
+    let mut start = start_after(faulted, places);
+    assert!(!start.shared.is_running());
+    assert_eq!(start.kept(), KeptConfiguration::SetAside { faulted_starts: faulted });
+    // It remains set aside, however long this start runs.
+    start.board.uptime_us = FAULTLESS_US;
+    start.order(Command::Configure(BENCH_B));
+    start.order(Command::Stop);
+    assert_eq!(start.board.watch.get(), StartWatch { faulted, is_watched: false });
+    assert_eq!(start.order(Command::Keep), Answer::Kept);
+    assert_eq!(start.board.watch.get(), StartWatch::default());
+}
+
+#[test]
+fn a_start_that_has_run_for_a_minute_has_not_faulted() {
+    let mut start = start_after(2, with_configuration());
+    let watched = StartWatch { faulted: 2, is_watched: true };
+    for (uptime_us, expected) in [(FAULTLESS_US - 1, watched), (FAULTLESS_US, StartWatch::default())] {
+        start.board.uptime_us = uptime_us;
+        start.order(Command::GetCounters);
+        assert_eq!(start.board.watch.get(), expected);
+    }
+}
+
+#[test]
+fn a_start_without_a_kept_configuration_is_not_watched() {
+    let mut start = start_after(0, blank());
+    start.order(Command::Configure(BENCH_B));
+    assert_eq!((start.kept(), start.board.watch.get()), (KeptConfiguration::None, StartWatch::default()));
+}
+
+impl Fixture {
+    fn places(self) -> Flash {
+        let [_, places] = self.service.stores.into_memories();
+        places
+    }
+
+    fn restarted(self) -> Self {
+        let [slots, places] = self.service.stores.into_memories();
+        let mut next = fixture_with(Pacing::Timer, slots, places);
+        next.restore();
+        next
+    }
+
+    fn update(&mut self, request: UpdateRequest) -> UpdateAnswer {
+        match self.ask(ToController::Update(request))[..] {
+            [ToHost::Update(answer)] => answer,
+            ref other => panic!("{other:?}"),
+        }
+    }
+
+    fn install(&mut self, package: &Package) {
+        self.update(package.begin());
+        for offset in package.offsets() {
+            self.update(package.chunk(offset));
+        }
+        let answer = self.update(UpdateRequest::Finish);
+        assert!(matches!(answer, UpdateAnswer::Status(_)), "{answer:?}");
+    }
+}
+
+#[test]
+fn the_minimum_version_is_kept_beside_the_configuration_and_outlasts_its_slot() {
+    let mut start = fixture(Pacing::Timer, with_configuration());
+    start.install(&Package::new(BearingMaterial::Babbitt, 9));
+    let older = Package::new(BearingMaterial::Babbitt, 2);
+    start.install(&older.signed_anew(|manifest| manifest.may_be_older = true));
+    // It erases the slot of version 9, and is never finished.
+    start.update(Package::new(BearingMaterial::Babbitt, 10).begin());
+    let mut next = start.restarted().restarted();
+    assert_eq!(next.kept(), KeptConfiguration::Restored);
+    let refusal = UpdateRefusal::Version { found: 3, least: 10 };
+    let attack = Package::new(BearingMaterial::Babbitt, 3);
+    assert_eq!(next.update(attack.begin()), UpdateAnswer::Refused(refusal));
+}
+
+#[test]
+fn no_update_erases_a_slot_whose_requirements_cannot_be_kept() {
+    let mut start = fixture_with(Pacing::Timer, blank(), Flash { is_worn: true, ..blank() });
+    start.install(&Package::new(BearingMaterial::Babbitt, 9));
+    let expected = UpdateAnswer::Refused(UpdateRefusal::Flash(FlashOperation::Program));
+    let next = Package::new(BearingMaterial::Babbitt, 10);
+    assert_eq!(start.update(next.begin()), expected);
+    assert_eq!(start.service.stores.packages.status().refused, 1);
+    assert_eq!(start.service.stores.packages.status().slots[1], SlotState::Blank);
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! The conversation with the host: the hello frame and the last command.
 
-use link::start::{StackReport, StartReport};
+use link::start::{KeptConfiguration, StackReport, StartReport};
 use link::{
     Answer, BuildId, ClockSource, Hello, MAGIC, ModelId, NumberedCommand, PROTOCOL_VERSION, Refusal, State,
     Target,
@@ -90,6 +90,10 @@ impl Conversation {
 
     pub(super) const fn set_start_report(&mut self, start: StartReport) {
         self.hello.start = start;
+    }
+
+    pub(super) const fn set_kept_configuration(&mut self, kept: KeptConfiguration) {
+        self.hello.start.kept = kept;
     }
 
     pub(super) const fn set_stack_report(&mut self, stack: StackReport) {

@@ -24,7 +24,7 @@ mod telemetry;
 mod tests;
 mod ticks;
 
-use link::start::{StackReport, StartReport, SupervisorReport};
+use link::start::{KeptConfiguration, StackReport, StartReport, SupervisorReport};
 use link::track::SensorStatus;
 use link::update::{UpdateAnswer, UpdateRefusal};
 use link::{
@@ -60,7 +60,9 @@ pub(crate) struct SentEstimate {
 
 /// One link session.
 #[derive(Debug)]
+#[repr(C)]
 pub struct Session {
+    run: Option<Run>,
     conversation: Conversation,
     telemetry: Telemetry,
     models: Models,
@@ -72,7 +74,6 @@ pub struct Session {
     shortest_period_us: Option<u32>,
     /// True until the wiring of the configuration has been taken.
     has_new_wiring: bool,
-    run: Option<Run>,
     /// Impacts that have not been sent.
     impacts: Queue,
 }
@@ -126,6 +127,11 @@ impl Session {
     /// Sets the reason of the start for the hello frame.
     pub const fn set_start_report(&mut self, start: StartReport) {
         self.conversation.set_start_report(start);
+    }
+
+    /// Sets the use of the kept configuration for the hello frame.
+    pub(crate) const fn set_kept_configuration(&mut self, kept: KeptConfiguration) {
+        self.conversation.set_kept_configuration(kept);
     }
 
     /// Sets the use of the stack for the hello frame.

@@ -39,11 +39,12 @@ pub fn own_estimate_interval(sample_period_us: u32) -> u16 {
 
 /// A configured estimator at work.
 #[derive(Debug)]
+#[repr(C)]
 pub(super) struct Run {
+    pub(super) monitor: Monitor,
     pub(super) configuration: ControllerConfiguration,
     pub(super) configured: Configured,
     pub(super) deadline: Deadline,
-    pub(super) monitor: Monitor,
     calibrator: Calibrator,
     scrubber: Scrubber,
     is_model_corrupted: bool,

@@ -11,9 +11,9 @@
 //! networks to the session between two samples. On the STM32F405 the core stalls while its flash is
 //! written; there an update requires that the run is stopped ([`UpdateRefusal::Estimating`]).
 //!
-//! A package must be newer than the running one and than the one in the other slot, unless it is
-//! signed with permission to be older. Such a package can be installed repeatedly; the link does
-//! not authenticate its user.
+//! A package must be newer than every one that was ever installed, unless it is signed with
+//! permission to be older, and its key must not have been revoked ([`Trust`]). A package with this
+//! permission can be installed repeatedly; the link does not authenticate its user.
 
 pub mod controller;
 pub mod keeper;
@@ -25,8 +25,12 @@ mod reception;
 mod refusals;
 mod scrub;
 mod slot;
+mod trust;
 
-use link::update::{ModelSource, SlotState, UpdateAnswer, UpdateRefusal, UpdateRequest, UpdateStatus};
+use link::update::{
+    FlashOperation, ModelSource, SignedManifest, SlotState, UpdateAnswer, UpdateRefusal, UpdateRequest,
+    UpdateStatus,
+};
 
 pub use keeper::Keeper;
 pub use memory::SlotMemory;
@@ -34,8 +38,10 @@ pub use models::{Loaded, Models};
 use refusals::Refusals;
 pub(crate) use scrub::Scrubber;
 pub use slot::PAYLOAD;
+pub use trust::Trust;
 
 use model_package::signature::KEY_LENGTH;
+use model_package::{Manifest, authenticate};
 use reception::{Reception, claimed_version};
 use slot::{Marked, Slot};
 
@@ -44,11 +50,10 @@ use slot::{Marked, Slot};
 pub struct Store<M> {
     memory: M,
     board: u16,
-    key: [u8; KEY_LENGTH],
+    keys: &'static [[u8; KEY_LENGTH]],
     running: Running,
     reception: Option<Reception>,
-    /// Minimum version of an update.
-    min_version: u32,
+    trust: Trust,
     refusals: Refusals,
     corruptions: u16,
     /// Content of the slots.
@@ -78,22 +83,14 @@ impl From<UpdateAnswer> for Served {
 }
 
 impl<M: SlotMemory> Store<M> {
-    /// Examines the slots and chooses the networks to start with.
-    pub fn start(memory: M, board: u16, key: [u8; KEY_LENGTH]) -> (Self, Models) {
+    /// Examines the slots and chooses the networks to start with. `keys` are those of the firmware,
+    /// the oldest first; `trust` is what was kept of [`Store::trust`].
+    pub fn start(memory: M, board: u16, keys: &'static [[u8; KEY_LENGTH]], trust: Trust) -> (Self, Models) {
         let running = Running { source: ModelSource::BuiltIn, marked: None };
         let refusals = Refusals::new();
         let slots = [SlotState::Blank; 2];
-        let mut store = Self {
-            memory,
-            board,
-            key,
-            running,
-            reception: None,
-            min_version: 1,
-            refusals,
-            corruptions: 0,
-            slots,
-        };
+        let mut store =
+            Self { memory, board, keys, running, reception: None, trust, refusals, corruptions: 0, slots };
         for slot in Slot::both(&store.memory) {
             if !slot.is_blank(&mut store.memory) && slot.marked(&mut store.memory).is_none() {
                 store.refuse_slot(slot, UpdateRefusal::NotMarked);
@@ -112,21 +109,37 @@ impl<M: SlotMemory> Store<M> {
         self.choose()
     }
 
-    /// Chooses the newest slot that passes every check, and sets the minimum version of updates.
+    /// Takes over the requirements of both packages, then chooses the newest one that passes every
+    /// check.
     fn choose(&mut self) -> Models {
         let [a, b] = Slot::both(&self.memory).map(|slot| slot.marked(&mut self.memory));
         let newest_first = match (a, b) {
             (Some(first), Some(second)) if first.number < second.number => [b, a],
             _ => [a, b],
         };
+        let authentic = newest_first.map(|marked| {
+            let signed = marked?.slot.signed(&mut self.memory);
+            let signed = signed.ok_or(UpdateRefusal::Flash(FlashOperation::Read));
+            Some(signed.and_then(|signed| authenticate(&signed, self.board, self.keys)))
+        });
+        // The mark shows that the package was installed, whatever has become of its payload since.
+        for (manifest, signer) in authentic.iter().flatten().flatten() {
+            if !self.is_revoked(*signer) {
+                self.trust.accept(manifest, *signer, self.keys);
+            }
+        }
         self.running = Running { source: ModelSource::BuiltIn, marked: None };
-        self.min_version = 1;
         let mut chosen = None;
-        for marked in newest_first.into_iter().flatten() {
-            match marked.slot.verify(&mut self.memory, self.board, &self.key) {
-                Ok((manifest, models)) => {
-                    self.note(marked.slot, SlotState::Valid { version: manifest.version });
-                    self.min_version = self.min_version.max(manifest.version.saturating_add(1));
+        for (marked, authentic) in newest_first.into_iter().flatten().zip(authentic.into_iter().flatten()) {
+            let loaded = authentic.and_then(|(manifest, signer)| {
+                if self.is_revoked(signer) {
+                    return Err(UpdateRefusal::Revoked);
+                }
+                Ok((manifest.version, marked.slot.load(&self.memory, &manifest)?))
+            });
+            match loaded {
+                Ok((version, models)) => {
+                    self.note(marked.slot, SlotState::Valid { version });
                     if chosen.is_none() {
                         self.running = Running { source: models.source(), marked: Some(marked) };
                         chosen = Some(models);
@@ -139,6 +152,24 @@ impl<M: SlotMemory> Store<M> {
             }
         }
         chosen.unwrap_or_else(Models::built_in)
+    }
+
+    /// Decides whether a key of the firmware's list has been revoked.
+    fn is_revoked(&self, signer: usize) -> bool {
+        self.keys.get(signer).is_none_or(|key| self.trust.has_revoked(key))
+    }
+
+    /// Checks manifest and signature. Returns the manifest with the index of its key, which has not
+    /// been revoked.
+    fn authenticate(&self, signed: &SignedManifest) -> Result<(Manifest, usize), UpdateRefusal> {
+        let (manifest, signer) = authenticate(signed, self.board, self.keys)?;
+        if self.is_revoked(signer) { Err(UpdateRefusal::Revoked) } else { Ok((manifest, signer)) }
+    }
+
+    /// Returns the requirements that must be kept without power.
+    #[must_use]
+    pub const fn trust(&self) -> Trust {
+        self.trust
     }
 
     /// Records the content of a slot.
@@ -184,6 +215,9 @@ impl<M: SlotMemory> Store<M> {
     #[must_use]
     pub fn status(&self) -> UpdateStatus {
         let [slot, _] = Slot::both(&self.memory);
+        let trusted = || self.keys.iter().filter(|key| !self.trust.has_revoked(key));
+        let trusted_keys = trusted().fold(0_u8, |count, _| count.saturating_add(1));
+        let listed = u8::try_from(self.keys.len()).unwrap_or(u8::MAX);
         UpdateStatus {
             running: self.running.source,
             memory: self.memory.kind(),
@@ -191,10 +225,18 @@ impl<M: SlotMemory> Store<M> {
             receiving: self.reception.as_ref().map(Reception::report),
             refused: self.refusals.count(),
             corrupted: self.corruptions,
-            development_key: self.key == key::DEVELOPMENT_KEY,
+            development_key: trusted().any(|key| *key == key::DEVELOPMENT_KEY),
             slots: self.slots,
             last_refusal: self.refusals.get(0),
+            min_version: self.trust.min_version(),
+            trusted_keys,
+            revoked_keys: listed.saturating_sub(trusted_keys),
         }
+    }
+
+    /// Decides whether the core stalls while a package is written.
+    pub(crate) fn stalls_the_core(&self) -> bool {
+        self.memory.stalls_the_core()
     }
 
     /// Returns the memory, for tests of a reset.

@@ -1,7 +1,7 @@
 //! Steps of an update into the slot that is not in use.
 
-use link::update::{CHUNK_LENGTH, SignedManifest, SlotState, UpdateChunk, UpdateRefusal};
-use model_package::authenticate;
+use link::update::{CHUNK_LENGTH, FlashOperation, SignedManifest, SlotState, UpdateChunk, UpdateRefusal};
+use model_package::MAX_VERSION_STEP;
 
 use super::memory::SlotMemory;
 use super::models::Models;
@@ -18,12 +18,16 @@ impl<M: SlotMemory> Store<M> {
         if self.reception.is_some_and(|reception| reception.signed == *signed) || self.runs(signed) {
             return Ok(());
         }
-        let manifest = authenticate(signed, self.board, &self.key)
-            .map_err(|reason| self.refuse(None, claimed_version(signed), reason))?;
+        let (manifest, signer) =
+            self.authenticate(signed).map_err(|reason| self.refuse(None, claimed_version(signed), reason))?;
         let slot = self.spare(signed);
         let [found, most] = [manifest.length(), slot.capacity()];
-        let reason = if manifest.version < self.min_version && !manifest.may_be_older {
-            Some(UpdateRefusal::Version { found: manifest.version, least: self.min_version })
+        let (version, least) = (manifest.version, self.trust.min_version());
+        let highest = least.saturating_add(MAX_VERSION_STEP);
+        let reason = if version > highest {
+            Some(UpdateRefusal::VersionTooHigh { found: version, most: highest })
+        } else if version < least && !manifest.may_be_older {
+            Some(UpdateRefusal::Version { found: version, least })
         } else if most == 0 {
             Some(UpdateRefusal::NoMemory)
         } else if found > most {
@@ -32,20 +36,22 @@ impl<M: SlotMemory> Store<M> {
             None
         };
         if let Some(reason) = reason {
-            return Err(self.refuse(None, manifest.version, reason));
+            return Err(self.refuse(None, version, reason));
         }
         if is_blocked {
             return Err(UpdateRefusal::Estimating);
         }
         self.reception = None;
         self.note(slot, SlotState::Unfinished);
-        let next_offset = if slot.signed(&mut self.memory) == Some(*signed) {
+        // A complete package cannot be resumed: its mark cannot be programmed twice.
+        let is_begun = slot.marked(&mut self.memory).is_none();
+        let next_offset = if is_begun && slot.signed(&mut self.memory) == Some(*signed) {
             slot.written(&mut self.memory, found)
         } else {
-            self.clear(slot, signed).map_err(|reason| self.refuse(Some(slot), manifest.version, reason))?;
+            self.clear(slot, signed).map_err(|reason| self.refuse(Some(slot), version, reason))?;
             0
         };
-        self.reception = Some(Reception { slot, signed: *signed, manifest, next_offset });
+        self.reception = Some(Reception { slot, signed: *signed, manifest, signer, next_offset });
         Ok(())
     }
 
@@ -88,8 +94,25 @@ impl<M: SlotMemory> Store<M> {
         self.note(reception.slot, SlotState::Valid { version: reception.manifest.version });
         let marked = Marked { slot: reception.slot, number };
         self.running = Running { source: models.source(), marked: Some(marked) };
-        self.min_version = self.min_version.max(reception.manifest.version.saturating_add(1));
+        if self.trust.install(&reception.manifest, reception.signer, self.keys) {
+            self.note_revoked(reception.slot);
+        }
         Ok(Some(models))
+    }
+
+    /// Notes that the package in the other slot is signed with a revoked key, if it is.
+    fn note_revoked(&mut self, installed: Slot) {
+        for slot in Slot::both(&self.memory).into_iter().filter(|slot| *slot != installed) {
+            let signed = slot.marked(&mut self.memory).and_then(|_| slot.signed(&mut self.memory));
+            if signed.is_some_and(|signed| self.authenticate(&signed) == Err(UpdateRefusal::Revoked)) {
+                self.note(slot, SlotState::Refused);
+            }
+        }
+    }
+
+    /// Refuses a package because the requirements of the installed ones cannot be kept.
+    pub fn refuse_unkept(&mut self, signed: &SignedManifest) -> UpdateRefusal {
+        self.refuse(None, claimed_version(signed), UpdateRefusal::Flash(FlashOperation::Program))
     }
 
     /// Ends an update that cannot be finished. The slot is erased, so that the next attempt does

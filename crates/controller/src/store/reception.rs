@@ -11,6 +11,8 @@ pub(super) struct Reception {
     pub(super) slot: Slot,
     pub(super) signed: SignedManifest,
     pub(super) manifest: Manifest,
+    /// Index of the key that signed it.
+    pub(super) signer: usize,
     pub(super) next_offset: u32,
 }
 

@@ -20,8 +20,7 @@ use link::update::{
     UpdateRefusal,
 };
 
-use model_package::signature::KEY_LENGTH;
-use model_package::{Manifest, authenticate, check};
+use model_package::{Manifest, check};
 
 use super::memory::SlotMemory;
 use super::models::Models;
@@ -156,17 +155,5 @@ impl Slot {
         let [a, b, c, d, ..] = manifest.hash;
         let source = ModelSource::Slot { slot: self.index, version: manifest.version, hash: [a, b, c, d] };
         Ok(Models::of_package(package, source))
-    }
-
-    /// Checks everything: mark, manifest, signature, payload.
-    pub(super) fn verify(
-        self,
-        memory: &mut impl SlotMemory,
-        board: u16,
-        key: &[u8; KEY_LENGTH],
-    ) -> Result<(Manifest, Models), UpdateRefusal> {
-        let signed = self.signed(memory).ok_or(UpdateRefusal::Flash(FlashOperation::Read))?;
-        let manifest = authenticate(&signed, board, key)?;
-        Ok((manifest, self.load(memory, &manifest)?))
     }
 }

@@ -58,7 +58,7 @@ mod tests {
 
     #[test]
     fn a_fault_is_shown_until_a_configuration() {
-        let start = StartReport { reason: ResetReason::Starved, fault: None };
+        let start = StartReport { reason: ResetReason::Starved, ..StartReport::default() };
         assert_eq!(shown(&start, false), Shown::Faulted);
         assert_eq!(shown(&start, true), Shown::Estimating);
         assert_eq!(shown(&StartReport::default(), false), Shown::Waiting);

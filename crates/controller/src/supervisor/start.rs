@@ -42,14 +42,63 @@ pub const fn reason_of_flags(csr: u32) -> ResetReason {
 /// power was off since.
 #[must_use]
 pub fn report(flags: ResetReason, record: Option<(FaultRecord, bool)>) -> StartReport {
-    let Some((fault, fresh)) = record else { return StartReport { reason: flags, fault: None } };
+    let Some((fault, fresh)) = record else {
+        return StartReport { reason: flags, ..StartReport::default() };
+    };
     let reason = match (flags, fault.kind) {
         _ if !fresh => flags,
         (ResetReason::PowerOn, _) => flags,
         (_, FaultKind::Starved { .. }) => ResetReason::Starved,
         _ => ResetReason::Fault,
     };
-    StartReport { reason, fault: Some(fault) }
+    StartReport { reason, fault: Some(fault), ..StartReport::default() }
+}
+
+/// Count of starts that faulted with the kept configuration, and whether this start is watched. It
+/// is a word in RAM that start-up does not clear.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct StartWatch {
+    /// Number of faulted starts in a row.
+    pub faulted: u8,
+    /// True if a fault of this start counts.
+    pub is_watched: bool,
+}
+
+impl StartWatch {
+    /// Mark of a word.
+    const MARK: u8 = 0xFA;
+
+    /// Encodes the word.
+    #[must_use]
+    pub const fn to_word(self) -> u32 {
+        u32::from_le_bytes([
+            self.faulted,
+            !self.faulted,
+            if self.is_watched { 0x5A } else { 0xA5 },
+            Self::MARK,
+        ])
+    }
+
+    /// Decodes a word; nothing is counted by one that was not stored, as after power-on.
+    #[must_use]
+    pub const fn of_word(word: u32) -> Self {
+        let [faulted, _, watched, _] = word.to_le_bytes();
+        let read = Self { faulted, is_watched: watched == 0x5A };
+        if word == read.to_word() { read } else { Self { faulted: 0, is_watched: false } }
+    }
+
+    /// Returns the count after a start for a reason. Only a fault, a missed check-in or the
+    /// watchdog continue it.
+    #[must_use]
+    pub const fn after(self, reason: ResetReason) -> Self {
+        let faulted = match reason {
+            ResetReason::Fault | ResetReason::Starved | ResetReason::Watchdog => {
+                self.faulted.saturating_add(self.is_watched as u8)
+            }
+            _ => 0,
+        };
+        Self { faulted, is_watched: false }
+    }
 }
 
 /// Registers at the entry of a fault handler.
@@ -165,6 +214,28 @@ mod tests {
             assert_eq!(report.reason, reason);
             assert_eq!(report.fault, record.map(|(fault, _)| fault));
         }
+    }
+
+    #[test]
+    fn watched_starts_that_fault_count_in_a_row_and_random_ram_counts_none() {
+        let watched = |faulted| StartWatch { faulted, is_watched: true };
+        for reason in [ResetReason::Starved, ResetReason::Watchdog, ResetReason::Fault] {
+            assert_eq!(watched(2).after(reason), StartWatch { faulted: 3, is_watched: false });
+            assert_eq!(watched(2).after(reason).after(reason).faulted, 3, "not watched");
+            assert_eq!(watched(u8::MAX).after(reason).faulted, u8::MAX);
+        }
+        assert_eq!(watched(2).after(ResetReason::Pin), StartWatch::default());
+        for faulted in 0..=u8::MAX {
+            for is_watched in [false, true] {
+                let watch = StartWatch { faulted, is_watched };
+                assert_eq!(StartWatch::of_word(watch.to_word()), watch);
+                for flipped in 0..32 {
+                    let found = StartWatch::of_word(watch.to_word() ^ 1 << flipped);
+                    assert_eq!(found, StartWatch::default(), "bit {flipped}");
+                }
+            }
+        }
+        assert!([0, u32::MAX].into_iter().all(|word| StartWatch::of_word(word) == StartWatch::default()));
     }
 
     #[test]

@@ -3,7 +3,7 @@
 
 use crate::flash::{Flash, HALF};
 use controller::store::Keeper;
-use controller::store::keeper::{KeepError, MAX_VALUE_LENGTH, RECORD};
+use controller::store::keeper::{KeepError, Kind, MAX_VALUE_LENGTH, RECORD};
 
 /// Two places of two records each: every second write erases.
 type Places = Flash<{ 4 * RECORD }>;
@@ -16,7 +16,7 @@ fn value(number: u64) -> Value {
 
 fn read(flash: Places) -> (Keeper<Places>, Option<Value>) {
     let mut keeper = Keeper::start(flash);
-    let value = keeper.value(1);
+    let value = keeper.value(Kind::Configuration, 1);
     (keeper, value)
 }
 
@@ -29,7 +29,7 @@ fn a_blank_or_foreign_memory_contains_no_value() {
     }
     let (mut keeper, found) = read(foreign);
     assert_eq!(found, None);
-    keeper.keep(1, &value(5)).unwrap();
+    keeper.keep(Kind::Configuration, 1, &value(5)).unwrap();
     assert_eq!(read(keeper.into_memory()).1, Some(value(5)));
 }
 
@@ -39,16 +39,16 @@ fn power_lost_at_any_step_leaves_the_old_value_or_the_new_one() {
     for number in 1..12_u64 {
         let (mut keeper, old) = read(flash.clone().restart(None, 1));
         assert_eq!(old, (number > 1).then(|| value(number - 1)));
-        keeper.keep(1, &value(number)).unwrap();
+        keeper.keep(Kind::Configuration, 1, &value(number)).unwrap();
         let whole = keeper.into_memory();
         for cut in 0..whole.steps {
             let (mut keeper, _) = read(flash.clone().restart(Some(cut), number << 32 | cut as u64));
-            assert_eq!(keeper.keep(1, &value(number)), Err(KeepError::Flash));
+            assert_eq!(keeper.keep(Kind::Configuration, 1, &value(number)), Err(KeepError::Flash));
             let (mut keeper, found) = read(keeper.into_memory().restart(None, 1));
             // The last word is the checksum: without all of its bits the record is invalid.
             let expected = if found == Some(value(number)) { Some(value(number)) } else { old };
             assert_eq!(found, expected, "value {number}, step {cut} of {}", whole.steps);
-            keeper.keep(1, &value(1000 + number)).unwrap();
+            keeper.keep(Kind::Configuration, 1, &value(1000 + number)).unwrap();
             assert_eq!(read(keeper.into_memory()).1, Some(value(1000 + number)));
         }
         flash = whole;
@@ -58,22 +58,88 @@ fn power_lost_at_any_step_leaves_the_old_value_or_the_new_one() {
 #[test]
 fn a_value_of_another_form_is_not_read_and_one_too_long_is_not_saved() {
     let mut keeper = Keeper::start(Flash::<{ 2 * HALF }>::new());
-    keeper.keep(1, &value(1)).unwrap();
-    assert_eq!(keeper.value::<Value>(2), None);
-    assert_eq!(keeper.value::<Value>(1), Some(value(1)));
+    keeper.keep(Kind::Configuration, 1, &value(1)).unwrap();
+    assert_eq!(keeper.value::<Value>(Kind::Configuration, 2), None);
+    assert_eq!(keeper.value::<Value>(Kind::Configuration, 1), Some(value(1)));
     let long = [[1_u8; 31]; MAX_VALUE_LENGTH / 31 + 1];
     let long: [_; 8] = long[..8].try_into().unwrap();
-    assert_eq!(keeper.keep(1, &long), Err(KeepError::TooLong));
-    assert_eq!(keeper.value::<Value>(1), Some(value(1)));
+    assert_eq!(keeper.keep(Kind::Configuration, 1, &long), Err(KeepError::TooLong));
+    assert_eq!(keeper.value::<Value>(Kind::Configuration, 1), Some(value(1)));
 }
 
 #[test]
 fn places_are_written_in_turn_and_each_word_once_between_erasures() {
     let (mut keeper, _) = read(Flash::new());
     for number in 1..40 {
-        keeper.keep(1, &value(number)).unwrap();
+        keeper.keep(Kind::Configuration, 1, &value(number)).unwrap();
         let (again, found) = read(keeper.into_memory());
         assert_eq!(found, Some(value(number)));
         keeper = again;
     }
+}
+
+#[test]
+fn power_lost_at_any_step_mixes_no_values_of_two_kinds() {
+    let values = |flash: Places| {
+        let mut keeper = Keeper::start(flash);
+        let [configuration, trust] =
+            [Kind::Configuration, Kind::Trust].map(|kind| keeper.value::<Value>(kind, 1));
+        (keeper, configuration, trust)
+    };
+    let mut flash: Places = Flash::new();
+    for number in 1..16_u64 {
+        let kind = if number % 3 == 0 { Kind::Trust } else { Kind::Configuration };
+        let (mut keeper, configuration, trust) = values(flash.clone().restart(None, 1));
+        keeper.keep(kind, 1, &value(number)).unwrap();
+        let whole = keeper.into_memory();
+        for cut in 0..whole.steps {
+            let (mut keeper, ..) = values(flash.clone().restart(Some(cut), number << 32 | cut as u64));
+            assert_eq!(keeper.keep(kind, 1, &value(number)), Err(KeepError::Flash));
+            let (mut keeper, found, found_trust) = values(keeper.into_memory().restart(None, 1));
+            let (changed, other) = match kind {
+                Kind::Configuration => ([found, configuration], [found_trust, trust]),
+                Kind::Trust => ([found_trust, trust], [found, configuration]),
+            };
+            let step = format!("value {number}, step {cut} of {}", whole.steps);
+            assert!(changed[0] == changed[1] || changed[0] == Some(value(number)), "{step}");
+            assert_eq!(other[0], other[1], "{step}");
+            // The power fails once more, while a value of either kind is written.
+            for (again, second) in [(Kind::Configuration, cut / 2), (Kind::Trust, cut)] {
+                let flash = keeper.into_memory().restart(Some(second), cut as u64);
+                let (mut retried, ..) = values(flash);
+                let _ = retried.keep(again, 1, &value(2000 + number));
+                let (retried, found, found_trust) = values(retried.into_memory().restart(None, 1));
+                for (found, old) in [(found, configuration), (found_trust, trust)] {
+                    let new = [value(number), value(2000 + number)].map(Some);
+                    assert!(found == old || new.contains(&found), "{step}");
+                }
+                keeper = retried;
+            }
+            keeper.keep(kind, 1, &value(1000)).unwrap();
+            let (_, found, found_trust) = values(keeper.into_memory());
+            let [kept, untouched] = match kind {
+                Kind::Configuration => [found, found_trust],
+                Kind::Trust => [found_trust, found],
+            };
+            assert_eq!(kept, Some(value(1000)), "{step}");
+            assert!(untouched == other[1] || untouched == Some(value(2000 + number)), "{step}");
+        }
+        flash = whole;
+    }
+}
+
+#[test]
+fn an_unchanged_value_is_not_written_again() {
+    let mut keeper = Keeper::start(Places::new());
+    keeper.keep(Kind::Configuration, 1, &value(1)).unwrap();
+    let written = keeper.into_memory();
+    let mut keeper = Keeper::start(written.clone().restart(None, 1));
+    for _ in 0..100 {
+        keeper.keep(Kind::Configuration, 1, &value(1)).unwrap();
+    }
+    assert_eq!(keeper.into_memory().steps, 0);
+    // Another layout is another value.
+    let mut keeper = Keeper::start(written);
+    keeper.keep(Kind::Configuration, 2, &value(1)).unwrap();
+    assert_eq!(keeper.value(Kind::Configuration, 2), Some(value(1)));
 }

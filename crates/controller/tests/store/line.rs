@@ -3,7 +3,7 @@
 
 use crate::flash::{Flash, HALF};
 use crate::package::{BOARD, Package};
-use controller::store::{Store, key::DEVELOPMENT_KEY};
+use controller::store::{Store, Trust, key::DEVELOPMENT_KEY};
 use inference::BearingMaterial;
 use link::update::{ModelSource, UpdateAnswer, UpdateRefusal, UpdateRequest, UpdateStatus};
 use proptest::prelude::*;
@@ -11,7 +11,7 @@ use proptest::prelude::*;
 type Slots = Flash<{ 2 * HALF }>;
 
 fn store() -> Store<Slots> {
-    Store::start(Flash::new(), BOARD, DEVELOPMENT_KEY).0
+    Store::start(Flash::new(), BOARD, &[DEVELOPMENT_KEY], Trust::default()).0
 }
 
 /// Effect of the line on a request.
@@ -65,7 +65,7 @@ fn ask(
         }
         Fate::Reset => {
             let flash = std::mem::replace(store, self::store()).into_memory();
-            *store = Store::start(flash.restart(None, 1), BOARD, DEVELOPMENT_KEY).0;
+            *store = Store::start(flash.restart(None, 1), BOARD, &[DEVELOPMENT_KEY], Trust::default()).0;
             None
         }
     }
@@ -135,7 +135,7 @@ fn after_a_reset_the_update_continues_where_it_was() {
         store.serve(&package.chunk(offset), false);
     }
     let flash = store.into_memory().restart(None, 1);
-    let (mut store, _) = Store::start(flash, BOARD, DEVELOPMENT_KEY);
+    let (mut store, _) = Store::start(flash, BOARD, &[DEVELOPMENT_KEY], Trust::default());
     assert_eq!(store.status().receiving, None);
     let UpdateAnswer::Status(status) = store.serve(&package.begin(), false).answer else { panic!("refused") };
     // The last chunk may have been interrupted, so it is requested again.

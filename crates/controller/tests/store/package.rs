@@ -57,6 +57,7 @@ impl Package {
             board: BOARD,
             version,
             may_be_older: false,
+            revokes_older_keys: false,
             images: [0; BearingMaterial::COUNT],
             samples: [0; BearingMaterial::COUNT],
             hash: hash_of(&payload),
@@ -66,9 +67,14 @@ impl Package {
         Self { signed: sign(&manifest), manifest, payload }
     }
 
-    pub(crate) fn signed_anew(mut self, change: impl FnOnce(&mut Manifest)) -> Self {
+    pub(crate) fn signed_anew(self, change: impl FnOnce(&mut Manifest)) -> Self {
+        self.signed_with(&key(), change)
+    }
+
+    /// The package with a change, signed with another key.
+    pub(crate) fn signed_with(mut self, key: &SigningKey, change: impl FnOnce(&mut Manifest)) -> Self {
         change(&mut self.manifest);
-        self.signed = sign(&self.manifest);
+        self.signed = sign_with(&self.manifest, key);
         self
     }
 
@@ -90,8 +96,12 @@ impl Package {
 }
 
 pub(crate) fn sign(manifest: &Manifest) -> SignedManifest {
+    sign_with(manifest, &key())
+}
+
+fn sign_with(manifest: &Manifest, key: &SigningKey) -> SignedManifest {
     let bytes = manifest.to_bytes();
-    let signature = key().sign(&bytes).to_bytes();
+    let signature = key.sign(&bytes).to_bytes();
     SignedManifest {
         manifest: *bytes.as_chunks::<32>().0.first_chunk().unwrap(),
         signature: *signature.as_chunks::<32>().0.first_chunk().unwrap(),

@@ -3,14 +3,14 @@
 
 use crate::flash::{Failure, Flash, HALF};
 use crate::package::{BOARD, Package};
-use controller::store::{Models, Store, key::DEVELOPMENT_KEY};
+use controller::store::{Models, Store, Trust, key::DEVELOPMENT_KEY};
 use inference::BearingMaterial;
 use link::update::{ModelSource, UpdateAnswer, UpdateRequest};
 
 type Slots = Flash<{ 2 * HALF }>;
 
 fn start(flash: Slots) -> (Store<Slots>, Models) {
-    Store::start(flash, BOARD, DEVELOPMENT_KEY)
+    Store::start(flash, BOARD, &[DEVELOPMENT_KEY], Trust::default())
 }
 
 /// Runs an update without repeated requests: begins, sends the missing chunks, finishes. Returns

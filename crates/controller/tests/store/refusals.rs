@@ -2,14 +2,14 @@
 
 use crate::flash::{Flash, HALF};
 use crate::package::{BOARD, Package, image, records};
-use controller::store::{Models, PAYLOAD, Store, key::DEVELOPMENT_KEY};
+use controller::store::{Models, PAYLOAD, Store, Trust, key::DEVELOPMENT_KEY};
 use inference::{BearingMaterial, shipped};
 use link::update::{ModelSource, RefusedPackage, SignedManifest, UpdateAnswer, UpdateRefusal, UpdateRequest};
 
 type Slots = Flash<{ 2 * HALF }>;
 
 fn start(flash: Slots) -> (Store<Slots>, Models) {
-    Store::start(flash, BOARD, DEVELOPMENT_KEY)
+    Store::start(flash, BOARD, &[DEVELOPMENT_KEY], Trust::default())
 }
 
 fn update(store: &mut Store<Slots>, package: &Package) -> UpdateAnswer {
@@ -94,7 +94,7 @@ fn unsigned_foreign_older_and_oversized_packages_are_refused_before_anything_is_
 
 #[test]
 fn another_key_excludes_the_development_key() {
-    let (mut store, _) = Store::start(Flash::<{ 2 * HALF }>::new(), BOARD, [7; 32]);
+    let (mut store, _) = Store::start(Flash::<{ 2 * HALF }>::new(), BOARD, &[[7; 32]], Trust::default());
     assert!(!store.status().development_key);
     let answer = store.serve(&Package::new(BearingMaterial::Babbitt, 1).begin(), false).answer;
     assert_eq!(answer, UpdateAnswer::Refused(UpdateRefusal::Signature));
@@ -177,7 +177,7 @@ fn networks_corrupted_during_a_run_are_replaced() {
     assert_eq!(running_version(&store), 6);
     // The memory becomes corrupted while the store is running.
     flash.bytes[HALF + PAYLOAD as usize + 4000] ^= 0x10;
-    store = Store::start(flash, BOARD, DEVELOPMENT_KEY).0;
+    store = Store::start(flash, BOARD, &[DEVELOPMENT_KEY], Trust::default()).0;
     let replaced = store.replace_corrupted();
     assert_eq!((running_version(&store), store.status().corrupted), (5, 1));
     assert_ne!(replaced.ids(), models.ids());

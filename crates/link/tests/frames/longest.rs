@@ -1,7 +1,9 @@
 //! Messages with the longest encoding of every field: they fit into a frame.
 
 use super::{decode_all, frame, hello, record, wiring};
-use link::start::{PARTIES, Presence, ResetReason, StackReport, StartReport, SupervisorReport};
+use link::start::{
+    KeptConfiguration, PARTIES, Presence, ResetReason, StackReport, StartReport, SupervisorReport,
+};
 use link::track::{CHANNELS, ChannelCounts, MonitorConfiguration, MonitorField, SensorHealth};
 use link::update::{
     ModelMemory, ModelSource, Receiving, RefusedPackage, SlotState, UpdateAnswer, UpdateRefusal, UpdateStatus,
@@ -125,7 +127,11 @@ fn supervisor() -> SupervisorReport {
     SupervisorReport {
         uptime_us: ALL,
         parties: [presence; PARTIES.len()],
-        start: StartReport { reason: ResetReason::Starved, fault: Some(record()) },
+        start: StartReport {
+            reason: ResetReason::Starved,
+            fault: Some(record()),
+            kept: KeptConfiguration::SetAside { faulted_starts: u8::MAX },
+        },
         stack: StackReport { reserved_bytes: ALL, used_bytes: ALL },
     }
 }
@@ -146,6 +152,9 @@ fn models() -> UpdateStatus {
             version: ALL,
             reason: UpdateRefusal::TooLong { found: ALL, most: ALL },
         }),
+        min_version: ALL,
+        trusted_keys: u8::MAX,
+        revoked_keys: u8::MAX,
     }
 }
 

@@ -3,7 +3,7 @@
 
 mod longest;
 
-use link::start::{FaultKind, FaultRecord, ResetReason, StackReport, StartReport};
+use link::start::{FaultKind, FaultRecord, KeptConfiguration, ResetReason, StackReport, StartReport};
 use link::track::{MonitorConfiguration, SensorStatus};
 use link::{
     BenchConfiguration, BlockSummary, BuildId, Calibration, ClockSource, Command, ContactSource,
@@ -126,7 +126,11 @@ fn hello(protocol: u8) -> Hello {
         last_command: u32::MAX,
         state: State::Tripped,
         configuration_crc: u32::MAX,
-        start: StartReport { reason: ResetReason::Starved, fault: Some(record()) },
+        start: StartReport {
+            reason: ResetReason::Starved,
+            fault: Some(record()),
+            kept: KeptConfiguration::SetAside { faulted_starts: u8::MAX },
+        },
         stack: StackReport { reserved_bytes: u32::MAX, used_bytes: u32::MAX },
     }
 }

@@ -136,7 +136,8 @@ def package(
 
     Args:
         networks: The networks.
-        version: Version, from 1. A controller accepts only a larger one than its own.
+        version: Version, from 1. A controller accepts only one above every version that was
+            installed before, by at most 100,000,000.
         board: Board that the package is for; by default that of the emulator.
         key: Secret key as text, as ``model-quant key`` writes it; by default the published
             development key, which is for tests only.

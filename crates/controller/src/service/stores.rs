@@ -1,0 +1,77 @@
+//! Everything that lasts without power: packages, configuration, requirements on packages.
+
+use link::update::{UpdateAnswer, UpdateRequest};
+use link::{CONFIGURATION_VERSION, ControllerConfiguration};
+use model_package::signature::KEY_LENGTH;
+
+use crate::store::keeper::{KeepError, Kind};
+use crate::store::{Keeper, Models, Served, SlotMemory, Store, Trust};
+
+/// Version of the layout of [`Trust`]. A firmware with a later one must read this one, too, or the
+/// requirements are lost.
+const TRUST_LAYOUT: u8 = 1;
+
+/// Packages and kept values.
+#[derive(Debug)]
+pub struct Stores<M> {
+    pub(super) packages: Store<M>,
+    values: Keeper<M>,
+    /// Requirements on packages as they are kept.
+    kept_trust: Trust,
+}
+
+impl<M: SlotMemory> Stores<M> {
+    /// Opens both memories and chooses the networks to start with. `keys` are those that the
+    /// firmware trusts, the older first.
+    pub fn start(slots: M, values: M, board: u16, keys: &'static [[u8; KEY_LENGTH]]) -> (Self, Models) {
+        let mut values = Keeper::start(values);
+        let kept_trust = values.value(Kind::Trust, TRUST_LAYOUT).unwrap_or_default();
+        let (packages, models) = Store::start(slots, board, keys, kept_trust);
+        (Self { packages, values, kept_trust }, models)
+    }
+
+    /// Returns the kept configuration.
+    pub(super) fn configuration(&mut self) -> Option<ControllerConfiguration> {
+        self.values.value(Kind::Configuration, CONFIGURATION_VERSION)
+    }
+
+    /// Keeps a configuration.
+    pub(super) fn keep(&mut self, configuration: &ControllerConfiguration) -> Result<(), KeepError> {
+        self.values.keep(Kind::Configuration, CONFIGURATION_VERSION, configuration)
+    }
+
+    /// Handles a request about models. `is_estimating` is true during a run.
+    ///
+    /// An update erases a slot, whose package may be the one with the highest version or with a
+    /// revocation. So it begins only if these are kept elsewhere.
+    pub(super) fn serve(&mut self, request: &UpdateRequest, is_estimating: bool) -> Served {
+        let may_write = !(is_estimating && self.packages.stalls_the_core());
+        if let UpdateRequest::Begin(signed) = request
+            && may_write
+            && !self.keep_trust()
+        {
+            return UpdateAnswer::Refused(self.packages.refuse_unkept(signed)).into();
+        }
+        let served = self.packages.serve(request, is_estimating);
+        if *request == UpdateRequest::Finish && may_write {
+            // If this fails, the next update is refused.
+            self.keep_trust();
+        }
+        served
+    }
+
+    /// Keeps the requirements on packages if they have changed. Returns whether they are kept.
+    pub(super) fn keep_trust(&mut self) -> bool {
+        let trust = self.packages.trust();
+        if trust != self.kept_trust && self.values.keep(Kind::Trust, TRUST_LAYOUT, &trust).is_ok() {
+            self.kept_trust = trust;
+        }
+        trust == self.kept_trust
+    }
+
+    /// Returns the memories of packages and values, for tests of a reset.
+    #[cfg(test)]
+    pub(super) fn into_memories(self) -> [M; 2] {
+        [self.packages.into_memory(), self.values.into_memory()]
+    }
+}
