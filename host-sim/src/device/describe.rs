@@ -81,7 +81,7 @@ pub(crate) fn identity(hello: &Hello, models: &UpdateStatus) -> Vec<(&'static st
         }
     }
     if let Some(text) = kept(hello.start.kept) {
-        lines.push(("configuration", text));
+        lines.push(("kept", text));
     }
     lines.push(("state", state(hello.state).into()));
     for (bearing, model) in BearingMaterial::ALL.into_iter().zip(hello.models) {
@@ -101,13 +101,13 @@ pub(crate) fn identity(hello: &Hello, models: &UpdateStatus) -> Vec<(&'static st
 fn kept(kept: KeptConfiguration) -> Option<String> {
     match kept {
         KeptConfiguration::None => None,
-        KeptConfiguration::Restored => Some("restored from flash at the start".into()),
+        KeptConfiguration::Restored => Some("configuration, taken at the start".into()),
         KeptConfiguration::Refused => {
-            Some("kept in flash, but refused by this firmware: configure it again to see why".into())
+            Some("configuration, refused by this firmware: configure it again to see why".into())
         }
         KeptConfiguration::SetAside { faulted_starts } => Some(format!(
-            "kept in flash, but not used: {faulted_starts} starts in a row faulted with it; keep another \
-             one, or reset the controller by its pin to try it again"
+            "configuration, not used: {faulted_starts} starts in a row faulted with it; keep another one, \
+             or reset the controller by its pin to try it again"
         )),
     }
 }

@@ -61,14 +61,12 @@ pub struct LinkService<M> {
     pacing: Pacing,
     stores: Stores<M>,
     background: Background,
-    /// True until this start has run without a fault for long enough.
-    is_watched: bool,
 }
 
 impl<M: SlotMemory> LinkService<M> {
     /// Creates the service.
     pub const fn new(pacing: Pacing, stores: Stores<M>, background: Background) -> Self {
-        Self { pacing, stores, background, is_watched: false }
+        Self { pacing, stores, background }
     }
 
     /// Restores the kept configuration, so that a controller beside a bench works without a host
@@ -105,20 +103,12 @@ impl<M: SlotMemory> LinkService<M> {
         if kept != KeptConfiguration::Restored {
             return;
         }
-        self.is_watched = true;
         platform.set_start_watch(StartWatch { faulted: faulted_starts, is_watched: true });
         if configuration.wiring.sample_at_start {
             // Refused on a board without sensors and for a period that is too short; idle ticks
             // then count.
             let _ = shared.lock(|shared| shared.session.start_sampling());
         }
-    }
-
-    /// Ends the watch over this start, which has not faulted or whose configuration is no longer
-    /// the kept one.
-    fn end_watch(&mut self, platform: &impl Platform) {
-        self.is_watched = false;
-        platform.set_start_watch(StartWatch::default());
     }
 
     /// Sends the hello frame of a start at every port, so that a host in the middle of a run
@@ -149,8 +139,8 @@ impl<M: SlotMemory> LinkService<M> {
     ) -> Result<(), Stop> {
         let parties = platform.attendance().look(platform.uptime_us());
         platform.check_in(Party::Link);
-        if self.is_watched && platform.uptime_us() >= FAULTLESS_US {
-            self.end_watch(platform);
+        if platform.start_watch().is_watched && platform.uptime_us() >= FAULTLESS_US {
+            platform.set_start_watch(StartWatch::default());
         }
         self.receive(ports, shared, platform, parties)?;
         self.replace_corrupted_models(shared);
@@ -218,9 +208,7 @@ impl<M: SlotMemory> LinkService<M> {
                     shared.rewire();
                     reply
                 });
-                if let ToHost::Acknowledged(Acknowledgement { outcome: Ok(Answer::Kept), .. }) = reply {
-                    self.end_watch(platform);
-                }
+                watch_after(&reply, platform);
                 reply
             }
             Err(error) => shared.lock(|shared| shared.session.bad_frame(error)),
@@ -298,6 +286,19 @@ impl<M: SlotMemory> LinkService<M> {
         {
             shared.lock(|shared| shared.session.count_dropped_answer());
         }
+    }
+}
+
+/// Adapts the watch over this start to a reply: with another configuration than the kept one a
+/// fault does not count, and a newly kept one starts from none.
+fn watch_after(reply: &ToHost, platform: &impl Platform) {
+    let ToHost::Acknowledged(Acknowledgement { outcome: Ok(answer), .. }) = reply else { return };
+    match answer {
+        Answer::Kept => platform.set_start_watch(StartWatch::default()),
+        Answer::Configured(_) => {
+            platform.set_start_watch(StartWatch { is_watched: false, ..platform.start_watch() });
+        }
+        _ => {}
     }
 }
 

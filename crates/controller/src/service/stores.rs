@@ -43,21 +43,16 @@ impl<M: SlotMemory> Stores<M> {
     /// Handles a request about models. `is_estimating` is true during a run.
     ///
     /// An update erases a slot, whose package may be the one with the highest version or with a
-    /// revocation. So it begins only if these are kept elsewhere.
+    /// revocation. So it begins only if these are kept elsewhere; until then they are in the slots.
     pub(super) fn serve(&mut self, request: &UpdateRequest, is_estimating: bool) -> Served {
-        let may_write = !(is_estimating && self.packages.stalls_the_core());
+        let is_blocked = is_estimating && self.packages.stalls_the_core();
         if let UpdateRequest::Begin(signed) = request
-            && may_write
+            && !is_blocked
             && !self.keep_trust()
         {
             return UpdateAnswer::Refused(self.packages.refuse_unkept(signed)).into();
         }
-        let served = self.packages.serve(request, is_estimating);
-        if *request == UpdateRequest::Finish && may_write {
-            // If this fails, the next update is refused.
-            self.keep_trust();
-        }
-        served
+        self.packages.serve(request, is_estimating)
     }
 
     /// Keeps the requirements on packages if they have changed. Returns whether they are kept.

@@ -419,6 +419,13 @@ fn a_start_that_has_run_for_a_minute_has_not_faulted() {
 }
 
 #[test]
+fn a_fault_with_another_configuration_does_not_count_against_the_kept_one() {
+    let mut start = start_after(2, with_configuration());
+    start.order(Command::Configure(BENCH_B));
+    assert_eq!(start.board.watch.get(), StartWatch { faulted: 2, is_watched: false });
+}
+
+#[test]
 fn a_start_without_a_kept_configuration_is_not_watched() {
     let mut start = start_after(0, blank());
     start.order(Command::Configure(BENCH_B));

@@ -74,18 +74,21 @@ type Records = [Option<Newest>; KINDS];
 pub struct Keeper<M> {
     memory: M,
     newest: Records,
+    /// Number of the last record, also if its write was reported as failed.
+    last_number: u32,
 }
 
 impl<M: NorFlash> Keeper<M> {
     /// Searches for the newest complete record of each kind.
     pub fn start(memory: M) -> Self {
-        let mut keeper = Self { memory, newest: [None; KINDS] };
+        let mut keeper = Self { memory, newest: [None; KINDS], last_number: 0 };
         let half = keeper.half().unwrap_or(0);
         let [first, second] = [0, half].map(|start| keeper.records(start, half));
-        let [newer, older] =
-            if last_number(&first) > last_number(&second) { [first, second] } else { [second, first] };
+        let numbers = [last_number(&first), last_number(&second)];
+        let [newer, older] = if numbers[0] > numbers[1] { [first, second] } else { [second, first] };
         let is_interrupted = newer.iter().zip(older).any(|(new, old)| new.is_none() && old.is_some());
         keeper.newest = if is_interrupted { older } else { newer };
+        keeper.last_number = numbers[0].max(numbers[1]);
         keeper
     }
 
@@ -124,6 +127,11 @@ impl<M: NorFlash> Keeper<M> {
         self.memory
     }
 
+    /// Returns the memory, for tests of failures.
+    pub const fn memory_mut(&mut self) -> &mut M {
+        &mut self.memory
+    }
+
     /// Length of a half; `None` if it is too short for a record of each kind.
     fn half(&self) -> Option<u32> {
         u32::try_from(self.memory.capacity() / 2).ok().filter(|&half| half >= (KINDS * RECORD) as u32)
@@ -136,8 +144,7 @@ impl<M: NorFlash> Keeper<M> {
             let Some(record) = self.read(offset) else { continue };
             let Some((number, code)) = valid_number_and_kind(&record) else { continue };
             if let Some(newest) = newest.get_mut(usize::from(code))
-                // After a write that was reported as failed, two records may have the same number.
-                && newest.is_none_or(|newest| newest.number <= number)
+                && newest.is_none_or(|newest| newest.number < number)
             {
                 *newest = Some(Newest { number, offset });
             }
@@ -147,7 +154,8 @@ impl<M: NorFlash> Keeper<M> {
 
     /// Writes a record with the next number and reads it back.
     fn write(&mut self, kind: Kind, offset: u32, body: &Body) -> Option<()> {
-        let number = last_number(&self.newest).saturating_add(1);
+        let number = self.last_number.saturating_add(1);
+        self.last_number = number;
         let record = record_of(number, body)?;
         self.memory.write(offset, &record).ok()?;
         if self.read(offset)? != record {

@@ -84,7 +84,7 @@ impl From<UpdateAnswer> for Served {
 
 impl<M: SlotMemory> Store<M> {
     /// Examines the slots and chooses the networks to start with. `keys` are those of the firmware,
-    /// the oldest first; `trust` is what was kept of [`Store::trust`].
+    /// the older first; `trust` is what was kept of [`Store::trust`].
     pub fn start(memory: M, board: u16, keys: &'static [[u8; KEY_LENGTH]], trust: Trust) -> (Self, Models) {
         let running = Running { source: ModelSource::BuiltIn, marked: None };
         let refusals = Refusals::new();
@@ -123,7 +123,7 @@ impl<M: SlotMemory> Store<M> {
             Some(signed.and_then(|signed| authenticate(&signed, self.board, self.keys)))
         });
         // The mark shows that the package was installed, whatever has become of its payload since.
-        for (manifest, signer) in authentic.iter().flatten().flatten() {
+        for (manifest, signer) in authentic.iter().rev().flatten().flatten() {
             if !self.is_revoked(*signer) {
                 self.trust.accept(manifest, *signer, self.keys);
             }

@@ -94,7 +94,7 @@ impl<M: SlotMemory> Store<M> {
         self.note(reception.slot, SlotState::Valid { version: reception.manifest.version });
         let marked = Marked { slot: reception.slot, number };
         self.running = Running { source: models.source(), marked: Some(marked) };
-        if self.trust.install(&reception.manifest, reception.signer, self.keys) {
+        if self.trust.accept(&reception.manifest, reception.signer, self.keys) {
             self.note_revoked(reception.slot);
         }
         Ok(Some(models))
@@ -111,7 +111,7 @@ impl<M: SlotMemory> Store<M> {
     }
 
     /// Refuses a package because the requirements of the installed ones cannot be kept.
-    pub fn refuse_unkept(&mut self, signed: &SignedManifest) -> UpdateRefusal {
+    pub(crate) fn refuse_unkept(&mut self, signed: &SignedManifest) -> UpdateRefusal {
         self.refuse(None, claimed_version(signed), UpdateRefusal::Flash(FlashOperation::Program))
     }
 

@@ -117,11 +117,16 @@ fn a_revocation_takes_back_a_version_that_was_raised_with_the_revoked_key() {
             (manifest.revokes_older_keys, manifest.may_be_older) = (true, true);
         })
     };
+    let before = controller.store.trust();
     assert_eq!(controller.install(&revocation(5)), None);
-    let mut controller = controller.restarted();
+    // Also if power was lost before that was kept.
+    let mut controller = controller.restarted_with(before);
     assert_eq!((controller.running(), controller.store.status().min_version), (5, 6));
     // Once only: a package that revokes nothing more takes nothing back.
     assert_eq!(controller.install(&package(9).signed_with(&second, |_| {})), None);
+    // Also if nothing was kept: the packages count in the order of their installation.
+    let mut controller = controller.restarted_with(Trust::default());
+    assert_eq!(controller.store.status().min_version, 10);
     assert_eq!(controller.install(&revocation(7)), None);
     assert_eq!(controller.store.status().min_version, 10);
 }

@@ -143,3 +143,55 @@ fn an_unchanged_value_is_not_written_again() {
     keeper.keep(Kind::Configuration, 2, &value(1)).unwrap();
     assert_eq!(keeper.value(Kind::Configuration, 2), Some(value(1)));
 }
+
+#[test]
+fn a_value_whose_write_was_reported_as_failed_does_not_outlive_a_later_one() {
+    for number in 1..8 {
+        let mut keeper = Keeper::start(Places::new());
+        for earlier in 0..number {
+            keeper.keep(Kind::Configuration, 1, &value(earlier)).unwrap();
+        }
+        let mut flash = keeper.into_memory();
+        flash.failing_write = Some((0, RECORD / 4));
+        let mut keeper = Keeper::start(flash);
+        assert_eq!(keeper.keep(Kind::Configuration, 1, &value(100)), Err(KeepError::Flash));
+        keeper.keep(Kind::Configuration, 1, &value(200)).unwrap();
+        assert_eq!(read(keeper.into_memory()).1, Some(value(200)), "after {number} values");
+    }
+}
+
+#[test]
+fn a_value_that_was_corrupted_is_not_copied_as_if_it_were_intact() {
+    let mut keeper = Keeper::start(Places::new());
+    keeper.keep(Kind::Trust, 1, &value(1)).unwrap();
+    keeper.keep(Kind::Configuration, 1, &value(2)).unwrap();
+    // The half is full, and a bit of the first record flips.
+    keeper.memory_mut().bytes[40] ^= 1;
+    assert_eq!(keeper.value::<Value>(Kind::Trust, 1), None);
+    assert_eq!(keeper.keep(Kind::Configuration, 1, &value(3)), Err(KeepError::Flash));
+    let mut keeper = Keeper::start(keeper.into_memory());
+    let found = [Kind::Trust, Kind::Configuration].map(|kind| keeper.value::<Value>(kind, 1));
+    assert_eq!(found, [None, Some(value(2))]);
+}
+
+#[test]
+fn power_lost_after_a_failed_write_loses_no_value() {
+    let mut keeper = Keeper::start(Places::new());
+    keeper.keep(Kind::Trust, 1, &value(1)).unwrap();
+    keeper.keep(Kind::Configuration, 1, &value(2)).unwrap();
+    let full = keeper.into_memory();
+    // In the other half the copy of the first value is written, and the new record fails.
+    for (cut, words) in (0..200).flat_map(|cut| [0, 30, RECORD / 4].map(|words| (cut, words))) {
+        let mut flash = full.clone().restart(None, 1);
+        flash.failing_write = Some((1, words));
+        let mut keeper = Keeper::start(flash);
+        assert_eq!(keeper.keep(Kind::Configuration, 1, &value(3)), Err(KeepError::Flash));
+        let steps = keeper.memory_mut().steps;
+        keeper.memory_mut().fails_at = Some(steps + cut);
+        let _ = keeper.keep(Kind::Configuration, 1, &value(4));
+        let mut keeper = Keeper::start(keeper.into_memory().restart(None, 1));
+        assert_eq!(keeper.value(Kind::Trust, 1), Some(value(1)), "step {cut}, {words} words");
+        let found: Option<Value> = keeper.value(Kind::Configuration, 1);
+        assert!([2, 3, 4].map(|number| Some(value(number))).contains(&found), "step {cut}, {words} words");
+    }
+}

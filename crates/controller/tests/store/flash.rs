@@ -42,12 +42,22 @@ pub(crate) struct Flash<const BYTES: usize> {
     pub(crate) fails_at: Option<usize>,
     pub(crate) worn: bool,
     pub(crate) stalls: bool,
+    /// Number of writes before one that fails after some words, and the number of these words.
+    pub(crate) failing_write: Option<(usize, usize)>,
     noise: u64,
 }
 
 impl<const BYTES: usize> Flash<BYTES> {
     pub(crate) fn new() -> Self {
-        Self { bytes: vec![0xFF; BYTES], steps: 0, fails_at: None, worn: false, stalls: false, noise: 1 }
+        Self {
+            bytes: vec![0xFF; BYTES],
+            steps: 0,
+            fails_at: None,
+            worn: false,
+            stalls: false,
+            failing_write: None,
+            noise: 1,
+        }
     }
 
     /// Restores the power; it fails again at a step, or not.
@@ -123,10 +133,13 @@ impl<const BYTES: usize> NorFlash for Flash<BYTES> {
         if !offset.is_multiple_of(4) || !bytes.len().is_multiple_of(4) || offset + bytes.len() > BYTES {
             return Err(Failure::Bounds);
         }
-        for (at, word) in (offset..).step_by(4).zip(bytes.chunks(4)) {
+        let failing = self.failing_write;
+        self.failing_write = failing.and_then(|(writes, words)| Some((writes.checked_sub(1)?, words)));
+        let words = failing.filter(|(writes, _)| *writes == 0).map(|(_, words)| words);
+        for (at, word) in (offset..).step_by(4).zip(bytes.chunks(4)).take(words.unwrap_or(usize::MAX)) {
             self.step(at..at + 4, |index, old| old & word[index - at])?;
         }
-        Ok(())
+        if words.is_some() { Err(Failure::Worn) } else { Ok(()) }
     }
 }
 
