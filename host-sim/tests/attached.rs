@@ -12,7 +12,8 @@ use host_sim::controller::{
 use host_sim::run::exchange::{
     ExchangeResult, OnRestart, bit_differences, exchange, exchange_observed, exchange_with_restarts,
 };
-use link::{Command, SensorFrame};
+use link::authentication::LinkKey;
+use link::{Command, Refusal, SensorFrame};
 use std::path::Path;
 use std::time::{Duration, Instant};
 use twin::{CONFIGURATION, Plan, Trouble, Twin, frames};
@@ -190,4 +191,44 @@ fn a_missing_or_wrong_port_is_an_input_error() {
         assert!(matches!(error, ControllerError::Port { .. }), "{error:?}");
         assert!(error.to_string().starts_with(&port.display().to_string()), "{error}");
     }
+}
+
+const KEY: LinkKey = LinkKey::new([3; 32]);
+
+#[test]
+fn a_controller_with_a_key_serves_the_host_that_has_it_also_after_restarts() {
+    let frames = frames(400, 6);
+    let plan = vec![
+        Plan { at: 100, bytes: 0, trouble: Trouble::Restarts },
+        Plan { at: 200, bytes: 0, trouble: Trouble::RestartsUnheard },
+    ];
+    let run = |key| {
+        let twin = Twin::start_with_key(key, plan.clone(), 1);
+        let mut host = AttachedController::open_with(&twin.port, TIMEOUTS).unwrap().with_key(key);
+        host.configure(CONFIGURATION).unwrap();
+        exchange_observed(Box::new(host), CONFIGURATION, &frames, OnRestart::Continue, None).unwrap()
+    };
+    let (with_key, without) = (run(Some(KEY)), run(None));
+    assert_eq!(with_key.restarts.len(), 2);
+    assert_same(&with_key, &without);
+}
+
+#[test]
+fn without_its_key_a_controller_can_be_asked_but_not_commanded() {
+    let twin = Twin::start_with_key(Some(KEY), vec![], 1);
+    for key in [None, Some(LinkKey::new([4; 32]))] {
+        let mut host = AttachedController::open_with(&twin.port, TIMEOUTS).unwrap().with_key(key);
+        let error = host.configure(CONFIGURATION).unwrap_err();
+        let is_expected = match key {
+            None => matches!(error, ControllerError::Refused(Refusal::NotAuthenticated)),
+            Some(_) => matches!(error, ControllerError::WrongKey),
+        };
+        assert!(is_expected, "{error:?}");
+        if key.is_none() {
+            assert!(error.to_string().contains("--link-key"), "{error}");
+            host.order(Command::GetCounters).unwrap();
+        }
+    }
+    let mut host = AttachedController::open_with(&twin.port, TIMEOUTS).unwrap().with_key(Some(KEY));
+    host.configure(CONFIGURATION).unwrap();
 }

@@ -68,6 +68,19 @@ fn of_concurrent_processes_one_makes_the_key_and_only_its_owner_may_read_it() {
 }
 
 #[test]
+fn a_key_of_a_link_is_shown_as_its_file_has_it_and_is_never_replaced() {
+    let directory = tempfile::tempdir().expect("directory");
+    let folder = directory.path();
+    let made = model_quant(folder, &["key", "--link", "--out", "link.key"]);
+    assert_eq!(String::from_utf8_lossy(&made.stdout), "link.key\n", "the key itself is not printed");
+    let text = std::fs::read_to_string(folder.join("link.key")).expect("file");
+    let shown = json(folder, &["key", "--link", "--show", "link.key", "--json"]);
+    assert_eq!(shown["link_key"].as_str(), text.lines().last());
+    assert!(refused(folder, &["key", "--link", "--out", "link.key"]).contains("does not exist yet"));
+    assert_eq!(std::fs::read_to_string(folder.join("link.key")).expect("file"), text);
+}
+
+#[test]
 fn files_other_than_images_keys_and_packages_are_refused_by_name() {
     let directory = tempfile::tempdir().expect("directory");
     let folder = directory.path();

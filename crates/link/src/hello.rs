@@ -2,13 +2,14 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::authentication::Authentication;
 use crate::start::{StackReport, StartReport};
 
 /// First bytes of a [`Hello`], so that a foreign device on the same port is recognised as foreign.
 pub const MAGIC: [u8; 4] = *b"PNTL";
 
 /// Version of the messages. Host and controller must agree; the host refuses any other.
-pub const PROTOCOL_VERSION: u8 = 6;
+pub const PROTOCOL_VERSION: u8 = 7;
 
 /// Length of the build's name in a [`Hello`], in bytes.
 pub const BUILD_ID_LEN: usize = 32;
@@ -119,4 +120,6 @@ pub struct Hello {
     pub start: StartReport,
     /// Use of the stack.
     pub stack: StackReport,
+    /// Authentication of commands.
+    pub authentication: Authentication,
 }

@@ -13,10 +13,11 @@
 //! missed.
 //!
 //! Limits: a frame has at most [`MAX_FRAME`] bytes, and CRC-32 misses one damaged frame in four
-//! thousand million. The link does not authenticate either side.
+//! thousand million. Commands are authenticated if the firmware has a key ([`authentication`]).
 #![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
 
+pub mod authentication;
 mod configuration;
 mod counters;
 pub mod crc32;

@@ -11,6 +11,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::authentication::{ManifestHash, Tag};
 use crate::start::SupervisorReport;
 use crate::track::{SensorHealth, SensorStatus, TrackReport};
 use crate::update::{UpdateAnswer, UpdateRequest, UpdateStatus};
@@ -35,6 +36,9 @@ pub enum ToController {
     /// Requests information about the models on board, or an update of them. The answer is
     /// [`ToHost::Update`]. These requests are not numbered: each of them may be repeated.
     Update(UpdateRequest),
+    /// Requests an action with the tag that a controller with a key requires
+    /// ([`crate::authentication`]). Without a key the tag is ignored.
+    Authenticated(NumberedCommand, Tag),
 }
 
 /// Command with its number.
@@ -66,6 +70,9 @@ pub enum Command {
     SampleYourself,
     /// Returns one of the reports of slow telemetry.
     GetReport(ReportKind),
+    /// Permits the update with one package, until it is installed, another one is permitted, or the
+    /// controller restarts. A controller without a key needs no permission.
+    PermitUpdate(ManifestHash),
 }
 
 /// Message from the controller.
@@ -120,6 +127,8 @@ pub enum Answer {
     },
     /// Answer to [`Command::GetReport`].
     Report(SlowReport),
+    /// Answer to [`Command::PermitUpdate`].
+    UpdatePermitted,
 }
 
 /// Reason why a command was not executed, or why no estimator was made.
@@ -143,10 +152,13 @@ pub enum Refusal {
     NotConfigured,
     /// The command is refused during a run.
     Running,
-    /// The controller has no storage, or writing failed.
+    /// The controller has no storage, or writing failed. With a key this may also concern the number
+    /// of the start.
     NotKept,
     /// The controller has no sensors or no timer that paces samples.
     NoSensors,
+    /// The command changes the state and has no valid tag.
+    NotAuthenticated,
 }
 
 /// Frame of slow telemetry. The reports take turns.

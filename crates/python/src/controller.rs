@@ -5,11 +5,13 @@ use crate::error::{input, of_command, work};
 use bench::Bench;
 use bench::description::TransmissionBench;
 use bench::plants::transmission::Transmission;
+use host_sim::controller::choice::read_link_key;
 use host_sim::controller::{AttachedController, EmulatedController, NativeController};
 use host_sim::controller::{ControllerError, RemoteController};
 use host_sim::device::update::update;
 use host_sim::run::configuration::lockstep_configuration;
 use host_sim::run::{estimates, impacts, sensing};
+use link::authentication::LinkKey;
 use link::track::{SensorChannel, SensorStatus};
 use link::{Answer, Command, ContactSource, EstimateFrame, ImpactRecord};
 use model_quant::exchange::package::Package;
@@ -48,6 +50,11 @@ pub(crate) struct Controller {
 /// Estimates: names with arrays, flags, and the ended impacts as CSV.
 type Estimates<'py> = (Vec<(&'static str, Bound<'py, PyArray1<f32>>)>, Bound<'py, PyArray1<u32>>, String);
 
+/// Reads the file of a key of the link.
+fn key(path: Option<&str>) -> PyResult<Option<LinkKey>> {
+    path.map(|path| read_link_key(path).map_err(|error| input(format!("{path}: {error}")))).transpose()
+}
+
 fn failed(error: ControllerError) -> PyErr {
     of_command(error.into())
 }
@@ -62,15 +69,17 @@ impl Controller {
 
     /// Starts the firmware's image in the emulator.
     #[staticmethod]
-    fn emulated(elf: Option<PathBuf>) -> PyResult<Self> {
+    fn emulated(elf: Option<PathBuf>, link_key: Option<&str>) -> PyResult<Self> {
         let elf = elf.unwrap_or_else(EmulatedController::default_elf);
-        Ok(Self::new(Way::Remote(Box::new(EmulatedController::open(&elf).map_err(failed)?))))
+        let key = key(link_key)?;
+        Ok(Self::remote(EmulatedController::open(&elf).map_err(failed)?.with_key(key)))
     }
 
     /// Connects to a board on a serial port.
     #[staticmethod]
-    fn attached(port: PathBuf) -> PyResult<Self> {
-        Ok(Self::new(Way::Remote(Box::new(AttachedController::open(&port).map_err(failed)?))))
+    fn attached(port: PathBuf, link_key: Option<&str>) -> PyResult<Self> {
+        let key = key(link_key)?;
+        Ok(Self::remote(AttachedController::open(&port).map_err(failed)?.with_key(key)))
     }
 
     /// Sends a signed package of networks, and returns the bytes that were sent.
@@ -169,6 +178,10 @@ impl Controller {
 impl Controller {
     fn new(way: Way) -> Self {
         Self { device: Mutex::new(Device { way, sequence: 0, period_s: None, last: [0.0; 4] }) }
+    }
+
+    fn remote(controller: RemoteController) -> Self {
+        Self::new(Way::Remote(Box::new(controller)))
     }
 
     fn device(&self) -> MutexGuard<'_, Device> {

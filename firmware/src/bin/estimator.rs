@@ -26,7 +26,7 @@ fn main() {
 mod app {
     use controller::Session;
     use controller::service::{
-        Background, LinkService, Pacing, Ports, SharedSession, Stop, Stores, Tick, Unconnected,
+        Background, LINK_KEY, LinkService, Pacing, Ports, SharedSession, Stop, Stores, Tick, Unconnected,
     };
     use controller::session::Identity;
     use controller::store::key;
@@ -112,7 +112,7 @@ mod app {
         session.switch_models(models);
         let platform = Platform::new(&attendance, timer);
         let background = Background::start(code_check(), stack_mark(), &mut session, &platform);
-        let service = LinkService::new(pacing, stores, background);
+        let service = LinkService::new(pacing, stores, LINK_KEY, background);
         // Both are expected from now on; sampling and inference only when there is something to
         // estimate.
         check_in(&attendance, Party::Link);

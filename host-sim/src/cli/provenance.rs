@@ -16,8 +16,17 @@ use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
 /// Options that do not change a result, each with a value. A token must not be in a result.
-const WITHOUT_EFFECT: [&str; 8] =
-    ["--out", "-o", "--threads", "--record", "--color", "--watch-speed", "--serve-token", "--serve-for"];
+const WITHOUT_EFFECT: [&str; 9] = [
+    "--out",
+    "-o",
+    "--threads",
+    "--record",
+    "--color",
+    "--watch-speed",
+    "--serve-token",
+    "--serve-for",
+    "--link-key",
+];
 
 /// Options without a value that do not change a result.
 const OF_THE_TERMINAL: [&str; 6] = ["--json", "-q", "--quiet", "-v", "--verbose", "--watch"];

@@ -5,7 +5,7 @@ use crate::cli::error::CliError;
 use crate::cli::options::BenchOptions;
 use crate::cli::output;
 use crate::controller::Controller;
-use crate::controller::choice::{self, ProbeOptions, RemoteKind};
+use crate::controller::choice::{self, ConnectionOptions, RemoteKind};
 use crate::device::follow::follow;
 use crate::device::info::DeviceInfo;
 use crate::run::configuration::controller_configuration;
@@ -31,9 +31,9 @@ pub struct LinkArgs {
     /// Serial port of the attached controller.
     #[arg(long, value_name = "PATH", group = "way")]
     pub port: Option<PathBuf>,
-    /// Its debug probe.
+    /// Its debug probe and key.
     #[command(flatten)]
-    pub probe: ProbeOptions,
+    pub connection: ConnectionOptions,
     /// Image for the emulated controller; by default the one that `cargo xtask firmware` builds.
     #[arg(long, value_name = "FILE")]
     pub elf: Option<PathBuf>,
@@ -86,8 +86,8 @@ pub fn run(args: &LinkArgs) -> Result<(), CliError> {
     };
     let elf = args.elf.as_deref();
     let mut controller = match args.controller {
-        RemoteKind::Attached => choice::attached(elf, args.port.as_deref(), &args.probe)?,
-        RemoteKind::Emulated => choice::emulated(elf)?,
+        RemoteKind::Attached => choice::attached(elf, args.port.as_deref(), &args.connection)?,
+        RemoteKind::Emulated => choice::emulated(elf, &args.connection)?,
     };
     if args.clear_trip {
         controller.order(Command::ClearTrip)?;

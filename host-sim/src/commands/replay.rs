@@ -4,7 +4,7 @@ use crate::cli::error::CliError;
 use crate::cli::options::BenchOptions;
 use crate::cli::output::{self, Files};
 use crate::controller::Recording;
-use crate::controller::choice::{self, ControllerKind, ProbeOptions};
+use crate::controller::choice::{self, ConnectionOptions, ControllerKind};
 use crate::controller::recording::MAGIC;
 use crate::impact_text;
 use crate::replay::{Difference, Replayed, log, replay};
@@ -44,9 +44,9 @@ pub struct ReplayArgs {
     /// Serial port of the attached controller.
     #[arg(long, value_name = "PATH", group = "way")]
     pub port: Option<PathBuf>,
-    /// Its debug probe.
+    /// Its debug probe and key.
     #[command(flatten)]
-    pub probe: ProbeOptions,
+    pub connection: ConnectionOptions,
     /// Image for the emulated controller; by default the one that `cargo xtask firmware` builds.
     #[arg(long, value_name = "FILE")]
     pub elf: Option<PathBuf>,
@@ -72,7 +72,7 @@ pub fn run(args: &ReplayArgs) -> Result<(), CliError> {
     let wrong = |error: &dyn std::fmt::Display| CliError::Input(format!("{}: {error}", args.file.display()));
     let recording = Recording::from_bytes(&bytes).map_err(|error| wrong(&error))?;
     let mut controller =
-        choice::open(args.controller, args.elf.as_deref(), args.port.as_deref(), &args.probe)?;
+        choice::open(args.controller, args.elf.as_deref(), args.port.as_deref(), &args.connection)?;
     let name = controller.name();
     let replayed = replay(&recording, &mut *controller)?;
     if let Some(out) = &args.out {
@@ -146,7 +146,7 @@ fn run_log(args: &ReplayArgs) -> Result<(), CliError> {
     let rate_hz = 1.0 / period_s;
     let configuration = lockstep_configuration(&plant, &resolved, rate_hz, ContactSource::default())?;
     let mut controller =
-        choice::open(args.controller, args.elf.as_deref(), args.port.as_deref(), &args.probe)?;
+        choice::open(args.controller, args.elf.as_deref(), args.port.as_deref(), &args.connection)?;
     controller.order(Command::Configure(configuration))?;
     let exchanged = exchange(controller, &frames)?;
     let out = args.out.clone().unwrap_or_else(|| PathBuf::from(OUT));

@@ -3,7 +3,7 @@
 use crate::cli::error::CliError;
 use crate::cli::output;
 use crate::cli::progress;
-use crate::controller::choice::{self, ProbeOptions, RemoteKind};
+use crate::controller::choice::{self, ConnectionOptions, RemoteKind};
 use crate::controller::{Controller, RemoteController};
 use crate::device::update::{Ask, UpdateError, Updated, refusals, update};
 use clap::Args;
@@ -32,9 +32,9 @@ pub struct UpdateArgs {
     /// Serial port of the attached controller.
     #[arg(long, value_name = "PATH", group = "way")]
     pub port: Option<PathBuf>,
-    /// Its debug probe.
+    /// Its debug probe and key.
     #[command(flatten)]
-    pub probe: ProbeOptions,
+    pub connection: ConnectionOptions,
     /// Image for the emulated controller; by default the one that `cargo xtask firmware` builds.
     #[arg(long, value_name = "FILE")]
     pub elf: Option<PathBuf>,
@@ -91,8 +91,8 @@ fn read(path: &std::path::Path) -> Result<Package, CliError> {
 fn open(args: &UpdateArgs) -> Result<RemoteController, CliError> {
     let elf = args.elf.as_deref();
     match args.controller {
-        RemoteKind::Attached => choice::attached(elf, args.port.as_deref(), &args.probe),
-        RemoteKind::Emulated => choice::emulated(elf),
+        RemoteKind::Attached => choice::attached(elf, args.port.as_deref(), &args.connection),
+        RemoteKind::Emulated => choice::emulated(elf, &args.connection),
     }
 }
 

@@ -6,6 +6,7 @@ use crate::controller::{
 };
 use clap::Args;
 use controller::boards::{BOARDS, Board, parse as parse_board};
+use link::authentication::LinkKey;
 use std::path::{Path, PathBuf};
 
 /// Kind of controller.
@@ -28,9 +29,9 @@ pub enum RemoteKind {
     Attached,
 }
 
-/// The debug probe of an attached controller.
+/// Connection to a controller outside this process.
 #[derive(Args, Clone, Debug, Default)]
-pub struct ProbeOptions {
+pub struct ConnectionOptions {
     /// Connect to the attached controller through a debug probe: VID:PID or VID:PID:SERIAL in
     /// hexadecimal; without a value the only probe. --elf is then the image that the board runs.
     #[arg(
@@ -45,6 +46,20 @@ pub struct ProbeOptions {
     /// Board at the probe; the default stm32f405 is any board with that microcontroller.
     #[arg(long, value_parser = parse_board, requires = "probe")]
     pub board: Option<Board>,
+    /// Key of the link, for a firmware that was built with it (`PINTLE_LINK_KEY`); `model-quant key
+    /// --link` makes one.
+    #[arg(long, value_name = "FILE", value_parser = read_link_key)]
+    pub link_key: Option<LinkKey>,
+}
+
+/// Reads the file of a key of the link.
+///
+/// # Errors
+///
+/// The file cannot be read, or contains no key.
+pub fn read_link_key(path: &str) -> Result<LinkKey, String> {
+    let text = std::fs::read_to_string(path).map_err(|error| error.to_string())?;
+    model_quant::exchange::key::secret(&text).map(LinkKey::new).map_err(|error| error.to_string())
 }
 
 /// Checks the name of a probe; an empty name selects the only one.
@@ -62,41 +77,47 @@ pub(crate) fn open(
     end: ControllerKind,
     elf: Option<&Path>,
     port: Option<&Path>,
-    probe: &ProbeOptions,
+    connection: &ConnectionOptions,
 ) -> Result<Box<dyn Controller>, CliError> {
     Ok(match end {
         ControllerKind::Native => Box::new(NativeController::open()?),
-        ControllerKind::Emulated => Box::new(emulated(elf)?),
-        ControllerKind::Attached => Box::new(attached(elf, port, probe)?),
+        ControllerKind::Emulated => Box::new(emulated(elf, connection)?),
+        ControllerKind::Attached => Box::new(attached(elf, port, connection)?),
     })
 }
 
 /// Starts the emulator.
-pub(crate) fn emulated(elf: Option<&Path>) -> Result<RemoteController, CliError> {
+pub(crate) fn emulated(
+    elf: Option<&Path>,
+    connection: &ConnectionOptions,
+) -> Result<RemoteController, CliError> {
     let default = EmulatedController::default_elf();
-    Ok(EmulatedController::open(elf.unwrap_or(&default))?)
+    Ok(EmulatedController::open(elf.unwrap_or(&default))?.with_key(connection.link_key))
 }
 
 /// Opens a board.
 pub(crate) fn attached(
     elf: Option<&Path>,
     port: Option<&Path>,
-    probe: &ProbeOptions,
+    connection: &ConnectionOptions,
 ) -> Result<RemoteController, CliError> {
-    match (port, &probe.probe) {
-        (Some(port), _) => Ok(AttachedController::open(port)?),
+    let controller = match (port, &connection.probe) {
+        (Some(port), _) => AttachedController::open(port)?,
         (None, Some(selector)) => {
             let [any, ..] = BOARDS;
-            let board = probe.board.unwrap_or(any);
+            let board = connection.board.unwrap_or(any);
             let selector = (!selector.is_empty()).then_some(selector.as_str());
-            at_probe(selector, board, &image_for(board, elf))
+            at_probe(selector, board, &image_for(board, elf))?
         }
-        (None, None) => Err(CliError::Input(
-            "--controller attached: found neither --port nor --probe; expected a serial port or a debug \
-             probe"
-                .into(),
-        )),
-    }
+        (None, None) => {
+            return Err(CliError::Input(
+                "--controller attached: found neither --port nor --probe; expected a serial port or a debug \
+                 probe"
+                    .into(),
+            ));
+        }
+    };
+    Ok(controller.with_key(connection.link_key))
 }
 
 #[cfg(feature = "probe")]
@@ -142,8 +163,23 @@ mod tests {
     }
 
     #[test]
+    fn a_file_without_a_key_of_the_link_is_refused_without_its_content() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = folder.path().join("link.key");
+        let path = file.to_str().expect("a name");
+        assert!(read_link_key(path).is_err());
+        for text in ["# only a remark\n".to_owned(), "secret\n".into(), "ab".repeat(33)] {
+            std::fs::write(&file, &text).expect("written");
+            let error = read_link_key(path).expect_err("no key");
+            assert!(error.contains("expected") && !error.contains("secret"), "{error}");
+        }
+        std::fs::write(&file, "ab".repeat(32)).expect("written");
+        assert!(read_link_key(path).is_ok());
+    }
+
+    #[test]
     fn an_attached_controller_without_port_or_probe_is_an_input_error() {
-        let error = attached(None, None, &ProbeOptions::default()).expect_err("an error");
+        let error = attached(None, None, &ConnectionOptions::default()).expect_err("an error");
         assert_eq!(error.exit_code(), 2);
         assert!(error.to_string().contains("neither --port nor --probe"), "{error}");
     }

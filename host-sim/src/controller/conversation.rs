@@ -5,6 +5,7 @@
 //! number, until its answer arrives. Answers with another number belong to earlier sendings and are
 //! counted as strays. Estimates and slow telemetry are numbered separately: a gap is a loss.
 
+use link::authentication::{Authentication, LinkKey};
 use link::update::{UpdateAnswer, UpdateRequest};
 use link::{
     Acknowledgement, Answer, BlockSummary, Command, EstimateFrame, Hello, ImpactRecord, NumberedCommand,
@@ -61,6 +62,8 @@ pub struct Conversation {
     token: u32,
     last_command: u32,
     pending: Option<ToController>,
+    key: Option<LinkKey>,
+    authentication: Authentication,
     /// Numbers of the last estimate, the last slow frame and the last impact.
     estimate: Option<u32>,
     slow: Option<u32>,
@@ -82,8 +85,35 @@ impl Conversation {
 
     /// Numbers a command.
     pub fn order(&mut self, command: Command) -> ToController {
-        let id = self.last_command.wrapping_add(1);
-        *self.pending.insert(ToController::Command(NumberedCommand { id, command }))
+        let numbered = NumberedCommand { id: self.last_command.wrapping_add(1), command };
+        let tag = match (self.key, self.authentication) {
+            (Some(key), Authentication::Required { start, .. }) if command.changes_state() => {
+                key.command_tag(start, &numbered)
+            }
+            _ => None,
+        };
+        *self.pending.insert(match tag {
+            Some(tag) => ToController::Authenticated(numbered, tag),
+            None => ToController::Command(numbered),
+        })
+    }
+
+    /// Sets the key for commands that a controller executes only with a tag.
+    pub const fn set_key(&mut self, key: Option<LinkKey>) {
+        self.key = key;
+    }
+
+    /// Decides whether the controller requires a key and this is another one.
+    pub(super) fn has_wrong_key(&self) -> bool {
+        match (self.key, self.authentication) {
+            (Some(key), Authentication::Required { start, tag }) => !key.accepts_start(start, &tag),
+            _ => false,
+        }
+    }
+
+    /// Decides whether the controller requires a key.
+    pub(super) const fn is_key_required(&self) -> bool {
+        matches!(self.authentication, Authentication::Required { .. })
     }
 
     /// Makes a request about models the pending one.
@@ -117,11 +147,14 @@ impl Conversation {
         match message {
             ToHost::Hello(hello) => self.receive_hello(hello),
             ToHost::Acknowledged(Acknowledgement { id, outcome }) => match self.pending {
-                Some(ToController::Command(NumberedCommand { id: waiting, .. })) if id == waiting => {
+                Some(
+                    ToController::Command(NumberedCommand { id: waiting, .. })
+                    | ToController::Authenticated(NumberedCommand { id: waiting, .. }, _),
+                ) if id == waiting => {
                     self.pending = None;
-                    // A command refused because of its number was not carried out: the number is
-                    // still free.
-                    if !matches!(outcome, Err(Refusal::OutOfOrder { .. } | Refusal::NumberTaken)) {
+                    // A command refused because of its number or tag was not carried out: the
+                    // number is still free.
+                    if !outcome.is_err_and(|refusal| is_number_free(&refusal)) {
                         self.last_command = id;
                     }
                     // A new run numbers its estimates and impacts from the start.
@@ -165,6 +198,7 @@ impl Conversation {
             return self.stray();
         }
         self.last_command = hello.last_command;
+        self.authentication = hello.authentication;
         // The hello of a start does not answer a pending `Identify`; that answer is still to come.
         if is_requested || !matches!(self.pending, Some(ToController::Identify { .. })) {
             self.pending = None;
@@ -179,6 +213,11 @@ impl Conversation {
         self.losses.strays = self.losses.strays.saturating_add(1);
         Received::Stray
     }
+}
+
+/// Decides whether a command that was refused was not carried out under its number.
+pub(super) const fn is_number_free(refusal: &Refusal) -> bool {
+    matches!(refusal, Refusal::OutOfOrder { .. } | Refusal::NumberTaken | Refusal::NotAuthenticated)
 }
 
 /// Returns how many numbers lie between the last one and this. A number from the past is a

@@ -111,6 +111,9 @@ pub enum ControllerError {
     /// It refused a command.
     #[error("the controller refused: {}", describe_refusal(_0))]
     Refused(Refusal),
+    /// It has another key of the link, or a forged frame came in its name.
+    #[error("the key of the link is not the controller's; expected the one that its firmware was built with")]
+    WrongKey,
     /// A damaged frame on a link that loses nothing.
     #[error("a damaged frame on the link: {0:?}")]
     Frame(FrameError),
@@ -189,7 +192,11 @@ fn describe_refusal(refused: &Refusal) -> String {
         Refusal::NotConfigured => "it is not configured".into(),
         Refusal::Running => "a run is active; stop it first".into(),
         Refusal::NotKept => {
-            "the configuration could not be saved: no memory for it, or the flash failed".into()
+            "the configuration or the number of its start could not be saved: no memory, or the flash failed"
+                .into()
+        }
+        Refusal::NotAuthenticated => {
+            "it executes this command only with the key of its link; give the key with --link-key".into()
         }
         Refusal::NoSensors => "it has no sensors, or is not paced by its timer".into(),
     }
@@ -239,7 +246,9 @@ impl From<ControllerError> for CliError {
         match error {
             ControllerError::Port { .. }
             | ControllerError::FirmwareMissing { .. }
-            | ControllerError::NotFirmware { .. } => Self::Input(error.to_string()),
+            | ControllerError::NotFirmware { .. }
+            | ControllerError::WrongKey
+            | ControllerError::Refused(Refusal::NotAuthenticated) => Self::Input(error.to_string()),
             #[cfg(feature = "probe")]
             ControllerError::Probe(error) => error.into(),
             other => Self::Work(other.to_string()),

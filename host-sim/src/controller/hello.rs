@@ -1,6 +1,7 @@
 //! Checks of hello frames.
 
 use super::ControllerError;
+use link::authentication::Authentication;
 use link::start::{StackReport, StartReport};
 use link::{BuildId, ClockSource, Hello, MAGIC, ModelId, PROTOCOL_VERSION, State, Target};
 
@@ -30,5 +31,6 @@ pub(super) fn no_hello() -> Hello {
         configuration_crc: 0,
         start: StartReport::default(),
         stack: StackReport::default(),
+        authentication: Authentication::Open,
     }
 }

@@ -6,9 +6,11 @@
 //! asks for the controller's state: this distinguishes a restart whose hello was lost, a lost
 //! estimate, and a controller that does not answer.
 
+use super::conversation::is_number_free;
 use super::hello::{check_hello, no_hello};
 use super::line::{Line, Wait};
 use super::{Controller, ControllerError, Conversation, Losses, Received, Recorder, stopped, unexpected};
+use link::authentication::LinkKey;
 use link::track::SensorStatus;
 use link::update::{UpdateAnswer, UpdateRequest};
 use link::{
@@ -91,13 +93,26 @@ impl RemoteController {
         }
     }
 
+    /// Sets the key that authenticates commands; a controller without a key ignores it.
+    #[must_use]
+    pub const fn with_key(mut self, key: Option<LinkKey>) -> Self {
+        self.conversation.set_key(key);
+        self
+    }
+
     /// Sends a configuration.
     pub fn configure(&mut self, configuration: ControllerConfiguration) -> Result<(), ControllerError> {
         self.order(Command::Configure(configuration)).map(|_| ())
     }
 
-    /// Sends a request about the models on board. Such requests may be repeated.
+    /// Sends a request about the models on board. Such requests may be repeated. An update with a
+    /// package is permitted before, if the controller requires a key.
     pub fn update(&mut self, request: UpdateRequest) -> Result<UpdateAnswer, ControllerError> {
+        if let UpdateRequest::Begin(package) = &request
+            && self.conversation.is_key_required()
+        {
+            self.order(Command::PermitUpdate(package.hash()))?;
+        }
         let asking = self.conversation.request(request);
         match self.ask(&asking, "the models")? {
             Received::Update(answer) => Ok(answer),
@@ -301,11 +316,16 @@ impl Controller for RemoteController {
 
     fn order(&mut self, command: Command) -> Result<Answer, ControllerError> {
         // Another host may have sent a command since the hello. Then the number is taken, and the
-        // host asks for the next one.
+        // host asks for the next one. After an unnoticed restart the tag needs its number.
+        let mut refused = Refusal::NumberTaken;
         for _ in 0..2 {
+            if command.changes_state() && self.conversation.has_wrong_key() {
+                return Err(ControllerError::WrongKey);
+            }
             let message = self.conversation.order(command);
             match self.ask(&message, "a command")? {
-                Received::Outcome(Err(Refusal::OutOfOrder { .. } | Refusal::NumberTaken)) => {
+                Received::Outcome(Err(refusal)) if is_number_free(&refusal) => {
+                    refused = refusal;
                     let asking = self.conversation.identify();
                     self.ask(&asking, "its hello")?;
                 }
@@ -319,7 +339,7 @@ impl Controller for RemoteController {
                 other => return Err(unexpected(&other, "the answer to a command")),
             }
         }
-        Err(ControllerError::Refused(Refusal::NumberTaken))
+        Err(ControllerError::Refused(refused))
     }
 
     fn take_impacts(&mut self) -> Vec<ImpactRecord> {

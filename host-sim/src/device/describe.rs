@@ -1,6 +1,7 @@
 //! Text for what a controller reports.
 
 use inference::{BearingMaterial, Flags};
+use link::authentication::Authentication;
 use link::start::{FaultKind, KeptConfiguration, PARTIES, ResetReason, SupervisorReport};
 use link::track::{FrictionState, SafeState, TrackReport, Wear};
 use link::update::{ModelMemory, ModelSource, SlotState, UpdateStatus};
@@ -82,6 +83,9 @@ pub(crate) fn identity(hello: &Hello, models: &UpdateStatus) -> Vec<(&'static st
     }
     if let Some(text) = kept(hello.start.kept) {
         lines.push(("kept", text));
+    }
+    if let Authentication::Required { start, .. } = hello.authentication {
+        lines.push(("commands", format!("only with the key of the link; start number {start}")));
     }
     lines.push(("state", state(hello.state).into()));
     for (bearing, model) in BearingMaterial::ALL.into_iter().zip(hello.models) {

@@ -93,8 +93,11 @@ fn host_messages(frames: &[RecordedFrame]) -> Result<(Vec<HostMessage>, usize), 
     for frame in frames.iter().filter(|frame| frame.way == Direction::ToController) {
         match message(frame)? {
             ToController::Identify { .. } => {}
-            ToController::Command(NumberedCommand { id, .. }) if last_command == Some(id) => {}
-            ToController::Command(NumberedCommand { id, command }) => {
+            ToController::Command(NumberedCommand { id, .. })
+            | ToController::Authenticated(NumberedCommand { id, .. }, _)
+                if last_command == Some(id) => {}
+            ToController::Command(NumberedCommand { id, command })
+            | ToController::Authenticated(NumberedCommand { id, command }, _) => {
                 last_command = Some(id);
                 commands += 1;
                 messages.push(HostMessage::Command(command));

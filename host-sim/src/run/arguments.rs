@@ -4,7 +4,7 @@ use super::exchange::OnRestart;
 use super::force::ForceSource;
 use crate::cli::error::CliError;
 use crate::cli::options::BenchOptions;
-use crate::controller::choice::ProbeOptions;
+use crate::controller::choice::ConnectionOptions;
 use crate::fmu::plant_unit::PlantOptions;
 use crate::serve::options::ServeOptions;
 use clap::{ArgGroup, Args, Parser, ValueEnum};
@@ -91,9 +91,9 @@ pub struct RunArgs {
     /// Serial port of the attached controller.
     #[arg(long, value_name = "PATH", group = "way")]
     pub port: Option<PathBuf>,
-    /// Its debug probe.
+    /// Its debug probe and key.
     #[command(flatten)]
-    pub probe: ProbeOptions,
+    pub connection: ConnectionOptions,
     /// Reaction to a restart of the controller in the middle of the run; the emulator ends when it
     /// restarts.
     #[arg(long, value_enum, default_value = "stop")]

@@ -30,7 +30,7 @@ pub(super) fn estimate(
         ControllerChoice::Emulated => ControllerKind::Emulated,
         ControllerChoice::Attached => ControllerKind::Attached,
     };
-    let mut controller = choice::open(kind, args.elf.as_deref(), args.port.as_deref(), &args.probe)?;
+    let mut controller = choice::open(kind, args.elf.as_deref(), args.port.as_deref(), &args.connection)?;
     let recorder = Recorder::default();
     if args.record.is_some() {
         controller.listen(recorder.clone());

@@ -3,10 +3,12 @@
 #![allow(dead_code, reason = "every test file uses a part of it")]
 
 use controller::configuration::BENCH_B;
+use controller::service::CommandGuard;
 use controller::{Identity, NoTicks, Session};
+use link::authentication::LinkKey;
 use link::{
-    BuildId, ClockSource, ControllerConfiguration, Decoder, FrameError, MAX_FRAME, SensorFrame, State,
-    Target, ToController, ToHost, encode,
+    Acknowledgement, BuildId, ClockSource, ControllerConfiguration, Decoder, FrameError, MAX_FRAME,
+    SensorFrame, State, Target, ToController, ToHost, encode,
 };
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
@@ -126,9 +128,14 @@ impl Twin {
     ///
     /// The hello of its start is in the port's buffer when this returns.
     pub(crate) fn start(plan: Vec<Plan>, hello_count: usize) -> Self {
+        Self::start_with_key(None, plan, hello_count)
+    }
+
+    /// Starts such a twin, which requires a key.
+    pub(crate) fn start_with_key(key: Option<LinkKey>, plan: Vec<Plan>, hello_count: usize) -> Self {
         let (terminal, port) = Terminal::open();
         let slave = terminal._slave.try_clone().unwrap();
-        let mut twin = Self::at(terminal, plan, hello_count);
+        let mut twin = Self::at_with_key(terminal, plan, hello_count, key);
         let hello = poll(&mut [PollFd::new(&slave, PollFlags::IN)], None);
         assert_eq!(hello, Ok(1));
         twin.port = port;
@@ -146,16 +153,29 @@ impl Twin {
 
     /// Starts a twin at any port.
     pub(crate) fn at(port: impl Port + 'static, plan: Vec<Plan>, hello_count: usize) -> Self {
+        Self::at_with_key(port, plan, hello_count, None)
+    }
+
+    fn at_with_key(
+        port: impl Port + 'static,
+        plan: Vec<Plan>,
+        hello_count: usize,
+        key: Option<LinkKey>,
+    ) -> Self {
         let (samples, end) = (Arc::new(AtomicU32::new(0)), Arc::new(AtomicBool::new(false)));
         let mut twin = Served {
             port: Box::new(port),
             session: session(),
+            key,
+            guard: None,
+            starts: 0,
             plan,
             hello_count,
             samples: Arc::clone(&samples),
             end: Arc::clone(&end),
             mode: Mode::Serving,
         };
+        twin.start();
         let thread = Some(std::thread::spawn(move || twin.serve()));
         Self { port: PathBuf::new(), samples, end, thread }
     }
@@ -181,6 +201,9 @@ enum Mode {
 struct Served {
     port: Box<dyn Port>,
     session: Session,
+    key: Option<LinkKey>,
+    guard: Option<CommandGuard>,
+    starts: u32,
     plan: Vec<Plan>,
     hello_count: usize,
     samples: Arc<AtomicU32>,
@@ -198,6 +221,26 @@ fn frame(message: &ToHost) -> Vec<u8> {
 }
 
 impl Served {
+    /// Starts the session, the first or another one.
+    fn start(&mut self) {
+        self.session = session();
+        self.guard = self.key.map(|key| CommandGuard::new(key, self.starts));
+        self.starts += 1;
+        if let Some(guard) = &self.guard {
+            self.session.set_authentication(guard.requirement());
+        }
+    }
+
+    /// Answers a message as the link service does.
+    fn answer(&mut self, message: &ToController) -> ToHost {
+        if let Some(guard) = &mut self.guard
+            && let Err((id, reason)) = guard.admit(message, |_| true)
+        {
+            return ToHost::Acknowledged(Acknowledgement { id, outcome: Err(reason) });
+        }
+        self.session.handle(message, &mut NoTicks)
+    }
+
     fn serve(&mut self) {
         let mut decoder = Decoder::new();
         let mut buffer = [0; 1024];
@@ -246,7 +289,7 @@ impl Served {
             }
         }
         let is_identify = matches!(message, ToController::Identify { .. });
-        let answer = frame(&self.session.handle(message, &mut NoTicks));
+        let answer = frame(&self.answer(message));
         while let Some(impact) = self.session.take_impact() {
             self.write(&frame(&impact));
         }
@@ -273,7 +316,7 @@ impl Served {
             Trouble::FallsSilent => self.mode = Mode::Silent,
             Trouble::Raves => self.mode = Mode::Raving,
             trouble => {
-                self.session = session();
+                self.start();
                 self.port.restart();
                 if trouble == Trouble::Restarts {
                     self.greet();

@@ -1,8 +1,8 @@
-//! Key files for signing packages.
+//! Key files for signing packages and for the link.
 //!
 //! A key file is text: lines that begin with `#` are comments, and the only other line is the
 //! secret key as 64 hexadecimal digits. The public key is compiled into a firmware
-//! (`PINTLE_MODEL_KEY`).
+//! (`PINTLE_MODEL_KEY`). A key of the link is secret in the firmware, too.
 
 use ed25519_dalek::SigningKey;
 
@@ -31,6 +31,15 @@ pub enum KeyError {
 ///
 /// The text is not a key. The message does not repeat its content.
 pub fn parse(text: &str) -> Result<SigningKey, KeyError> {
+    secret(text).map(|secret| SigningKey::from_bytes(&secret))
+}
+
+/// Parses the bytes of a key file.
+///
+/// # Errors
+///
+/// As [`parse`].
+pub fn secret(text: &str) -> Result<[u8; 32], KeyError> {
     let lines: Vec<_> = text
         .lines()
         .zip(1..)
@@ -47,7 +56,7 @@ pub fn parse(text: &str) -> Result<SigningKey, KeyError> {
         let value = std::str::from_utf8(digits).ok().and_then(|digits| u8::from_str_radix(digits, 16).ok());
         *byte = value.ok_or_else(|| wrong.clone())?;
     }
-    Ok(SigningKey::from_bytes(&secret))
+    Ok(secret)
 }
 
 /// Formats a key file.
@@ -58,6 +67,16 @@ pub(crate) fn text(key: &SigningKey) -> String {
          # Public half, for PINTLE_MODEL_KEY: {}\n{}\n",
         digits(key.verifying_key().as_bytes()),
         digits(key.as_bytes())
+    )
+}
+
+/// Formats a key file of a link.
+#[must_use]
+pub(crate) fn link_text(secret: &[u8; 32]) -> String {
+    format!(
+        "# Key of a link, for PINTLE_LINK_KEY and --link-key. Whoever has it can command the controllers\n\
+         # that were built with it.\n{}\n",
+        digits(secret)
     )
 }
 

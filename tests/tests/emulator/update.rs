@@ -211,7 +211,7 @@ fn the_command_makes_a_package_s_model_run() {
         package: Some(file.into()),
         controller: host_sim::controller::choice::RemoteKind::Emulated,
         port: None,
-        probe: host_sim::controller::choice::ProbeOptions::default(),
+        connection: host_sim::controller::choice::ConnectionOptions::default(),
         elf: None,
         stop_run: false,
         status: false,

@@ -10,6 +10,7 @@
 //! transport.
 
 mod background;
+mod command_guard;
 mod pace;
 mod shared_session;
 mod stores;
@@ -18,6 +19,7 @@ mod transport;
 #[cfg(test)]
 mod tests;
 
+use link::authentication::LinkKey;
 use link::start::{KeptConfiguration, PARTIES, Presence};
 use link::track::SensorStatus;
 use link::update::{UpdateAnswer, UpdateRequest};
@@ -33,6 +35,7 @@ use crate::store::SlotMemory;
 use crate::supervisor::Party;
 use crate::supervisor::start::StartWatch;
 pub use background::{Background, Platform};
+pub use command_guard::{CommandGuard, LINK_KEY};
 pub use pace::{Pace, Pacing};
 pub use shared_session::{SampleSource, SharedSession, Tick};
 pub use stores::Stores;
@@ -60,13 +63,16 @@ pub enum Stop {
 pub struct LinkService<M> {
     pacing: Pacing,
     stores: Stores<M>,
+    /// `None` if the firmware has no key.
+    guard: Option<CommandGuard>,
     background: Background,
 }
 
 impl<M: SlotMemory> LinkService<M> {
-    /// Creates the service.
-    pub const fn new(pacing: Pacing, stores: Stores<M>, background: Background) -> Self {
-        Self { pacing, stores, background }
+    /// Creates the service. With a key, commands that change the state must be authenticated.
+    pub fn new(pacing: Pacing, mut stores: Stores<M>, key: Option<LinkKey>, background: Background) -> Self {
+        let guard = key.map(|key| CommandGuard::new(key, stores.last_start()));
+        Self { pacing, stores, guard, background }
     }
 
     /// Restores the kept configuration, so that a controller beside a bench works without a host
@@ -79,6 +85,10 @@ impl<M: SlotMemory> LinkService<M> {
         shared: &mut impl Mutex<T = SharedSession<S>>,
         platform: &impl Platform,
     ) {
+        if let Some(guard) = &self.guard {
+            let requirement = guard.requirement();
+            shared.lock(|shared| shared.session.set_authentication(requirement));
+        }
         let StartWatch { faulted: faulted_starts, .. } = platform.start_watch();
         let is_set_aside = faulted_starts >= MAX_FAULTED_STARTS;
         if !is_set_aside {
@@ -201,6 +211,12 @@ impl<M: SlotMemory> LinkService<M> {
         match message {
             Ok(ToController::Update(request)) => self.update(&request, shared, platform),
             Ok(message) => {
+                if let Some(guard) = &mut self.guard
+                    && let Err((id, reason)) = guard.admit(&message, |start| self.stores.keep_start(start))
+                {
+                    let refused = shared.lock(|shared| shared.session.refuse(id, reason));
+                    return ToHost::Acknowledged(refused);
+                }
                 self.update_status(shared, platform, parties);
                 self.save_configuration(&message, shared);
                 let reply = shared.lock(|shared| {
@@ -209,6 +225,7 @@ impl<M: SlotMemory> LinkService<M> {
                     reply
                 });
                 watch_after(&reply, platform);
+                self.note_permission(&message, &reply);
                 reply
             }
             Err(error) => shared.lock(|shared| shared.session.bad_frame(error)),
@@ -224,14 +241,33 @@ impl<M: SlotMemory> LinkService<M> {
         platform: &impl Platform,
     ) -> ToHost {
         let is_estimating = shared.lock(|shared| shared.session.state() != State::Waiting);
+        if let (Some(guard), UpdateRequest::Begin(package)) = (&self.guard, request)
+            && !guard.is_permitted(package)
+        {
+            let refused = self.stores.packages.refuse_unpermitted(package);
+            platform.log_refused_update(self.stores.packages.status().refused);
+            return ToHost::Update(UpdateAnswer::Refused(refused));
+        }
         let served = self.stores.serve(request, is_estimating);
         if let UpdateAnswer::Refused(_) = served.answer {
             platform.log_refused_update(self.stores.packages.status().refused);
         }
         if let Some(models) = served.models {
+            if let Some(guard) = &mut self.guard {
+                guard.note_installed();
+            }
             shared.lock(|shared| shared.session.switch_models(models));
         }
         ToHost::Update(served.answer)
+    }
+
+    /// Notes the package that a command has permitted.
+    const fn note_permission(&mut self, message: &ToController, reply: &ToHost) {
+        if let (Some(guard), ToController::Authenticated(numbered, _)) = (&mut self.guard, message)
+            && let ToHost::Acknowledged(Acknowledgement { outcome: Ok(_), .. }) = reply
+        {
+            guard.note_executed(&numbered.command);
+        }
     }
 
     /// Copies watchdog check-ins, the state of the model store and the last sample into the

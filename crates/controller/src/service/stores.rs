@@ -1,4 +1,5 @@
-//! Everything that lasts without power: packages, configuration, requirements on packages.
+//! Everything that lasts without power: packages, configuration, requirements on packages,
+//! number of the last start.
 
 use link::update::{UpdateAnswer, UpdateRequest};
 use link::{CONFIGURATION_VERSION, ControllerConfiguration};
@@ -10,6 +11,8 @@ use crate::store::{Keeper, Models, Served, SlotMemory, Store, Trust};
 /// Version of the layout of [`Trust`]. A firmware with a later one must read this one, too, or the
 /// requirements are lost.
 const TRUST_LAYOUT: u8 = 1;
+/// Version of the layout of a start's number.
+const START_LAYOUT: u8 = 1;
 
 /// Packages and kept values.
 #[derive(Debug)]
@@ -38,6 +41,16 @@ impl<M: SlotMemory> Stores<M> {
     /// Keeps a configuration.
     pub(super) fn keep(&mut self, configuration: &ControllerConfiguration) -> Result<(), KeepError> {
         self.values.keep(Kind::Configuration, CONFIGURATION_VERSION, configuration)
+    }
+
+    /// Returns the number of the last start with an authenticated command, 0 before the first.
+    pub fn last_start(&mut self) -> u32 {
+        self.values.value(Kind::Start, START_LAYOUT).unwrap_or(0)
+    }
+
+    /// Keeps the number of this start. Returns whether it is kept.
+    pub(super) fn keep_start(&mut self, number: u32) -> bool {
+        self.values.keep(Kind::Start, START_LAYOUT, &number).is_ok()
     }
 
     /// Handles a request about models. `is_estimating` is true during a run.

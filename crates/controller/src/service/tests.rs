@@ -27,6 +27,8 @@ use crate::supervisor::{Attendance, CodeCheck, Periods};
 mod package;
 use package::Package;
 
+mod authentication;
+
 /// Addresses of the test's code.
 const SPANS: [std::ops::Range<usize>; crate::supervisor::code::SPANS] = {
     let mut spans = [const { 32..32 }; crate::supervisor::code::SPANS];
@@ -199,6 +201,10 @@ fn fixture(pacing: Pacing, places: Flash) -> Fixture {
 
 /// A fixture with the memories of slots and kept values.
 fn fixture_with(pacing: Pacing, slots: Flash, places: Flash) -> Fixture {
+    fixture_with_key(pacing, slots, places, None)
+}
+
+fn fixture_with_key(pacing: Pacing, slots: Flash, places: Flash, key: Option<LinkKey>) -> Fixture {
     let periods = Periods { sampling_us: 1_000, inference_us: 1_000, link_us: 1_000, self_test_us: 1_000 };
     let board = Board {
         attendance: Attendance::new(periods),
@@ -218,7 +224,7 @@ fn fixture_with(pacing: Pacing, slots: Flash, places: Flash) -> Fixture {
     session.switch_models(models);
     let code = CodeCheck::new(SPANS, crate::supervisor::code::UNSEALED);
     let background = Background::start(code, Mark::new(10), &mut session, &board);
-    let service = LinkService::new(pacing, stores, background);
+    let service = LinkService::new(pacing, stores, key, background);
     Fixture { service, shared: SharedSession::new(session, None), board }
 }
 

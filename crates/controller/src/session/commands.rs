@@ -33,6 +33,12 @@ impl Session {
         Acknowledgement { id, outcome }
     }
 
+    /// Refuses a command without looking at its number.
+    pub(crate) fn refuse(&mut self, id: u32, reason: Refusal) -> Acknowledgement {
+        count(&mut self.telemetry.counters.refused_commands, true);
+        Acknowledgement { id, outcome: Err(reason) }
+    }
+
     fn execute(&mut self, command: &Command) -> Result<Answer, Refusal> {
         match command {
             Command::Configure(configuration) => self.configure(configuration).map(Answer::Configured),
@@ -60,6 +66,7 @@ impl Session {
                 Ok(Answer::Stopped(counters))
             }
             Command::SampleYourself => self.start_sampling().map(|every| Answer::Sampling { every }),
+            Command::PermitUpdate(_) => Ok(Answer::UpdatePermitted),
             Command::GetReport(kind) => self.report(*kind).map(Answer::Report).ok_or(Refusal::NotConfigured),
         }
     }
@@ -94,7 +101,9 @@ impl Session {
     pub(crate) fn configuration_to_save(&self, message: &ToController) -> Option<ControllerConfiguration> {
         let next = self.conversation.next_number();
         match message {
-            ToController::Command(NumberedCommand { id, command: Command::Keep }) if *id == next => {
+            ToController::Command(numbered) | ToController::Authenticated(numbered, _)
+                if *numbered == (NumberedCommand { id: next, command: Command::Keep }) =>
+            {
                 self.configuration.filter(|_| self.run.is_none())
             }
             _ => None,

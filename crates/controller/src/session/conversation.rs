@@ -1,5 +1,6 @@
 //! The conversation with the host: the hello frame and the last command.
 
+use link::authentication::Authentication;
 use link::start::{KeptConfiguration, StackReport, StartReport};
 use link::{
     Answer, BuildId, ClockSource, Hello, MAGIC, ModelId, NumberedCommand, PROTOCOL_VERSION, Refusal, State,
@@ -58,6 +59,7 @@ impl Conversation {
             configuration_crc: 0,
             start: StartReport::default(),
             stack: StackReport::default(),
+            authentication: Authentication::Open,
         };
         Self { hello, last_command: None, is_code_corrupted: false }
     }
@@ -94,6 +96,10 @@ impl Conversation {
 
     pub(super) const fn set_kept_configuration(&mut self, kept: KeptConfiguration) {
         self.hello.start.kept = kept;
+    }
+
+    pub(super) const fn set_authentication(&mut self, authentication: Authentication) {
+        self.hello.authentication = authentication;
     }
 
     pub(super) const fn set_stack_report(&mut self, stack: StackReport) {

@@ -24,6 +24,7 @@ mod telemetry;
 mod tests;
 mod ticks;
 
+use link::authentication::Authentication;
 use link::start::{KeptConfiguration, StackReport, StartReport, SupervisorReport};
 use link::track::SensorStatus;
 use link::update::{UpdateAnswer, UpdateRefusal};
@@ -134,6 +135,11 @@ impl Session {
         self.conversation.set_kept_configuration(kept);
     }
 
+    /// Sets the authentication that commands require, for the hello frame.
+    pub const fn set_authentication(&mut self, authentication: Authentication) {
+        self.conversation.set_authentication(authentication);
+    }
+
     /// Sets the use of the stack for the hello frame.
     pub(crate) const fn set_stack_report(&mut self, stack: StackReport) {
         self.conversation.set_stack_report(stack);
@@ -210,7 +216,9 @@ impl Session {
     pub fn handle(&mut self, message: &ToController, ticks: &mut impl TickSource) -> ToHost {
         match message {
             ToController::Identify { token } => ToHost::Hello(self.hello(*token)),
-            ToController::Command(numbered) => ToHost::Acknowledged(self.acknowledge(numbered)),
+            ToController::Command(numbered) | ToController::Authenticated(numbered, _) => {
+                ToHost::Acknowledged(self.acknowledge(numbered))
+            }
             ToController::Sensor(frame, status) => {
                 let start = ticks.start();
                 match self.estimate(frame, *status, start, ticks) {

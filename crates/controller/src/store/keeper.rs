@@ -1,4 +1,5 @@
-//! Storage of small values without power: the configuration, and the requirements on packages.
+//! Storage of small values without power: the configuration, the requirements on packages,
+//! the number of the last start.
 //!
 //! Records of 256 bytes in the two halves of a flash memory. A new record follows the last one.
 //! When a half is full, the other one is erased, the other values are copied there, and the new
@@ -43,18 +44,22 @@ pub enum Kind {
     Configuration,
     /// Requirements on packages.
     Trust,
+    /// Number of the last start with an authenticated command.
+    Start,
 }
 
 /// Number of kinds.
-const KINDS: usize = 2;
+const KINDS: usize = 3;
 
 impl Kind {
-    const ALL: [Self; KINDS] = [Self::Configuration, Self::Trust];
+    /// All kinds, in the order of their codes.
+    pub const ALL: [Self; KINDS] = [Self::Configuration, Self::Trust, Self::Start];
 
     const fn code(self) -> u8 {
         match self {
             Self::Configuration => 0,
             Self::Trust => 1,
+            Self::Start => 2,
         }
     }
 }

@@ -68,7 +68,7 @@ const fn is_same(a: &[u8; KEY_LENGTH], b: &[u8; KEY_LENGTH]) -> bool {
 }
 
 /// Reads a key of hexadecimal digits.
-const fn key_at(text: &[u8], start: usize) -> [u8; KEY_LENGTH] {
+pub(crate) const fn key_at(text: &[u8], start: usize) -> [u8; KEY_LENGTH] {
     let mut key = [0; KEY_LENGTH];
     let mut index = 0;
     #[expect(clippy::indexing_slicing, reason = "run by the compiler, which would refuse to build")]
@@ -77,6 +77,19 @@ const fn key_at(text: &[u8], start: usize) -> [u8; KEY_LENGTH] {
         index += 1;
     }
     key
+}
+
+/// Decides whether a text consists of hexadecimal digits.
+pub(crate) const fn is_hexadecimal(text: &[u8]) -> bool {
+    let mut index = 0;
+    #[expect(clippy::indexing_slicing, reason = "the index ends with the text")]
+    while index < text.len() {
+        if !text[index].is_ascii_hexdigit() {
+            return false;
+        }
+        index += 1;
+    }
+    true
 }
 
 #[expect(clippy::panic, reason = "run by the compiler, which refuses to build")]

@@ -5,8 +5,8 @@ use crate::flash::{Flash, HALF};
 use controller::store::Keeper;
 use controller::store::keeper::{KeepError, Kind, MAX_VALUE_LENGTH, RECORD};
 
-/// Two places of two records each: every second write erases.
-type Places = Flash<{ 4 * RECORD }>;
+/// Two halves of three records each: every third write erases.
+type Places = Flash<{ 6 * RECORD }>;
 /// A value whose parts must belong together.
 type Value = [u64; 16];
 
@@ -78,51 +78,52 @@ fn places_are_written_in_turn_and_each_word_once_between_erasures() {
     }
 }
 
+/// Returns the value of each kind.
+fn values(flash: Places) -> (Keeper<Places>, [Option<Value>; Kind::ALL.len()]) {
+    let mut keeper = Keeper::start(flash);
+    let found = Kind::ALL.map(|kind| keeper.value::<Value>(kind, 1));
+    (keeper, found)
+}
+
 #[test]
-fn power_lost_at_any_step_mixes_no_values_of_two_kinds() {
-    let values = |flash: Places| {
-        let mut keeper = Keeper::start(flash);
-        let [configuration, trust] =
-            [Kind::Configuration, Kind::Trust].map(|kind| keeper.value::<Value>(kind, 1));
-        (keeper, configuration, trust)
-    };
+fn power_lost_at_any_step_mixes_no_values_of_different_kinds() {
     let mut flash: Places = Flash::new();
     for number in 1..16_u64 {
-        let kind = if number % 3 == 0 { Kind::Trust } else { Kind::Configuration };
-        let (mut keeper, configuration, trust) = values(flash.clone().restart(None, 1));
+        let place = [0, 1, 0, 2][number as usize % 4];
+        let kind = Kind::ALL[place];
+        let (mut keeper, before) = values(flash.clone().restart(None, 1));
         keeper.keep(kind, 1, &value(number)).unwrap();
         let whole = keeper.into_memory();
         for cut in 0..whole.steps {
-            let (mut keeper, ..) = values(flash.clone().restart(Some(cut), number << 32 | cut as u64));
+            let (mut keeper, _) = values(flash.clone().restart(Some(cut), number << 32 | cut as u64));
             assert_eq!(keeper.keep(kind, 1, &value(number)), Err(KeepError::Flash));
-            let (mut keeper, found, found_trust) = values(keeper.into_memory().restart(None, 1));
-            let (changed, other) = match kind {
-                Kind::Configuration => ([found, configuration], [found_trust, trust]),
-                Kind::Trust => ([found_trust, trust], [found, configuration]),
-            };
+            let (mut keeper, found) = values(keeper.into_memory().restart(None, 1));
             let step = format!("value {number}, step {cut} of {}", whole.steps);
-            assert!(changed[0] == changed[1] || changed[0] == Some(value(number)), "{step}");
-            assert_eq!(other[0], other[1], "{step}");
-            // The power fails once more, while a value of either kind is written.
-            for (again, second) in [(Kind::Configuration, cut / 2), (Kind::Trust, cut)] {
+            for (index, (found, before)) in found.iter().zip(before).enumerate() {
+                let is_new = index == place && *found == Some(value(number));
+                assert!(*found == before || is_new, "{step}");
+            }
+            // The power fails once more, while a value of any kind is written.
+            for (again, second) in Kind::ALL.into_iter().zip([cut / 2, cut, cut / 3]) {
                 let flash = keeper.into_memory().restart(Some(second), cut as u64);
-                let (mut retried, ..) = values(flash);
+                let (mut retried, _) = values(flash);
                 let _ = retried.keep(again, 1, &value(2000 + number));
-                let (retried, found, found_trust) = values(retried.into_memory().restart(None, 1));
-                for (found, old) in [(found, configuration), (found_trust, trust)] {
+                let (retried, found) = values(retried.into_memory().restart(None, 1));
+                for (found, old) in found.into_iter().zip(before) {
                     let new = [value(number), value(2000 + number)].map(Some);
                     assert!(found == old || new.contains(&found), "{step}");
                 }
                 keeper = retried;
             }
             keeper.keep(kind, 1, &value(1000)).unwrap();
-            let (_, found, found_trust) = values(keeper.into_memory());
-            let [kept, untouched] = match kind {
-                Kind::Configuration => [found, found_trust],
-                Kind::Trust => [found_trust, found],
-            };
-            assert_eq!(kept, Some(value(1000)), "{step}");
-            assert!(untouched == other[1] || untouched == Some(value(2000 + number)), "{step}");
+            let (_, found) = values(keeper.into_memory());
+            for (index, (found, before)) in found.into_iter().zip(before).enumerate() {
+                if index == place {
+                    assert_eq!(found, Some(value(1000)), "{step}");
+                } else {
+                    assert!(found == before || found == Some(value(2000 + number)), "{step}");
+                }
+            }
         }
         flash = whole;
     }

@@ -3,6 +3,7 @@
 
 mod longest;
 
+use link::authentication::{Authentication, ManifestHash, TAG_LENGTH, Tag};
 use link::start::{FaultKind, FaultRecord, KeptConfiguration, ResetReason, StackReport, StartReport};
 use link::track::{MonitorConfiguration, SensorStatus};
 use link::{
@@ -82,6 +83,7 @@ fn command() -> impl Strategy<Value = Command> {
         Just(Command::Stop),
         Just(Command::SampleYourself),
         prop::sample::select(ReportKind::ALL.to_vec()).prop_map(Command::GetReport),
+        any::<[u8; TAG_LENGTH]>().prop_map(|hash| Command::PermitUpdate(ManifestHash(hash))),
     ]
 }
 
@@ -90,6 +92,9 @@ fn to_controller() -> impl Strategy<Value = ToController> {
         any::<u32>().prop_map(|token| ToController::Identify { token }),
         (any::<u32>(), command())
             .prop_map(|(id, command)| ToController::Command(NumberedCommand { id, command })),
+        (any::<u32>(), command(), any::<[u8; TAG_LENGTH]>()).prop_map(|(id, command, tag)| {
+            ToController::Authenticated(NumberedCommand { id, command }, Tag(tag))
+        }),
         (sensor(), any::<u8>()).prop_map(|(frame, status)| ToController::Sensor(frame, SensorStatus(status))),
     ]
 }
@@ -132,6 +137,7 @@ fn hello(protocol: u8) -> Hello {
             kept: KeptConfiguration::SetAside { faulted_starts: u8::MAX },
         },
         stack: StackReport { reserved_bytes: u32::MAX, used_bytes: u32::MAX },
+        authentication: Authentication::Required { start: u32::MAX, tag: Tag([u8::MAX; TAG_LENGTH]) },
     }
 }
 

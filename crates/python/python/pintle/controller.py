@@ -37,6 +37,10 @@ class Estimates:
     counters: dict[str, Any]
 
 
+def _path(path: str | Path | None) -> str | None:
+    return None if path is None else str(path)
+
+
 class Controller:
     """A controller in lockstep: one estimate for every sample.
 
@@ -53,18 +57,22 @@ class Controller:
         return cls(_native.Controller.native())
 
     @classmethod
-    def emulated(cls, elf: str | Path | None = None) -> Controller:
+    def emulated(cls, elf: str | Path | None = None, link_key: str | Path | None = None) -> Controller:
         """The firmware's image in the emulator.
 
         The default is what ``cargo xtask firmware`` built below ``CARGO_TARGET_DIR``, or below
-        ``target`` in the current folder.
+        ``target`` in the current folder. ``link_key`` is the file of the key that the firmware was
+        built with, if it has one.
         """
-        return cls(_native.Controller.emulated(None if elf is None else str(elf)))
+        return cls(_native.Controller.emulated(_path(elf), _path(link_key)))
 
     @classmethod
-    def attached(cls, port: str | Path) -> Controller:
-        """A board on a serial port."""
-        return cls(_native.Controller.attached(str(port)))
+    def attached(cls, port: str | Path, link_key: str | Path | None = None) -> Controller:
+        """A board on a serial port.
+
+        ``link_key`` is the file of the key that its firmware was built with, if it has one.
+        """
+        return cls(_native.Controller.attached(str(port), _path(link_key)))
 
     def __repr__(self) -> str:
         return f"<Controller {self._controller.name}>"
