@@ -24,6 +24,7 @@ mod kernels;
 mod language;
 mod memory_map;
 mod miri;
+mod published_faults;
 mod python;
 mod readme;
 mod run;
@@ -256,6 +257,7 @@ fn bless() -> Result<(), run::ChoreError> {
     cycles::bless()?;
     budget::bless()?;
     accuracy::write_documents()?;
+    published_faults::bless()?;
     readme::bless()
 }
 

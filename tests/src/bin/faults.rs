@@ -6,13 +6,17 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use system_tests::faults::campaign::Campaign;
 use system_tests::faults::classify::{Class, Outcome};
+use system_tests::faults::publication::{build_of, fresh_seed, publish};
 use system_tests::faults::table::{Counts, Table};
 use system_tests::faults::{CampaignError, exit};
+
+/// Seed of a campaign that is not published.
+const SEED: u64 = 1;
 
 /// Inject seeded faults into the emulated controller and classify each by what the host receives.
 #[derive(Parser)]
 #[command(after_help = "Examples:\n  cargo xtask faults\n  \
-    cargo xtask faults --count 10000 --record out/faults.jsonl\n  \
+    cargo xtask faults --publish --count 10000 --record out/faults.jsonl\n  \
     cargo xtask faults --only 4711 --json\n\n\
     Exit codes: 0 no fault was silent, 1 some were or the work failed, 2 the arguments are wrong.")]
 struct Cli {
@@ -25,9 +29,9 @@ struct Cli {
     /// Inject only the fault of this number.
     #[arg(long, conflicts_with_all = ["count", "first", "record"])]
     only: Option<u64>,
-    /// Seed of the campaign.
-    #[arg(long, default_value_t = 1)]
-    seed: u64,
+    /// Seed of the campaign; by default 1, or a random one with --publish.
+    #[arg(long)]
+    seed: Option<u64>,
     /// Journal of the outcomes. It holds one image and seed; recorded faults are not repeated.
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
@@ -40,6 +44,11 @@ struct Cli {
     /// Write the counts of the default count and seed to tests/golden/faults.json.
     #[arg(long, conflicts_with_all = ["count", "first", "only", "seed", "record", "elf"])]
     bless: bool,
+    /// Append the counts to tests/golden/faults-published.json, for docs/figures.md (`cargo xtask
+    /// bless`). The seed must be one that no published campaign has used; give the printed one with
+    /// --seed and --record to continue an interrupted campaign.
+    #[arg(long, conflicts_with_all = ["first", "only", "bless"])]
+    publish: bool,
     /// Print the table as JSON; with --only, the outcome.
     #[arg(long)]
     json: bool,
@@ -54,7 +63,12 @@ fn run(cli: &Cli) -> Result<bool, CampaignError> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(cli.threads).build_global();
     pool.map_err(|error| CampaignError::Unexpected { found: error.to_string(), expected: "threads" })?;
     let elf = cli.elf.clone().unwrap_or_else(host_sim::controller::EmulatedController::default_elf);
-    let campaign = Campaign::prepare(&elf, cli.seed)?;
+    let build = cli.publish.then(|| build_of(&elf)).transpose()?;
+    let seed = if cli.publish { fresh_seed(cli.seed)? } else { cli.seed.unwrap_or(SEED) };
+    if cli.publish {
+        eprintln!("seed {seed}");
+    }
+    let campaign = Campaign::prepare(&elf, seed)?;
     if let Some(number) = cli.only {
         let outcome = campaign.fault(number)?;
         let text = serde_json::to_string_pretty(&outcome).unwrap_or_default();
@@ -82,6 +96,9 @@ fn run(cli: &Cli) -> Result<bool, CampaignError> {
     let table = Table::from_outcomes(&outcomes);
     if cli.bless {
         bless(&Counts::from_table(&table))?;
+    }
+    if let Some(build) = build {
+        publish(build, seed, cli.count, table.clone())?;
     }
     if cli.json {
         println!("{}", serde_json::to_string_pretty(&table).unwrap_or_default());

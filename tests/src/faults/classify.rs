@@ -1,8 +1,10 @@
 //! Class of a fault: what the host receives about it, compared with the error of the unmarked
 //! estimates.
 //!
-//! * **Detected**: the host gets a report before or with the first wrong estimate, or no unmarked
-//!   estimate is wrong.
+//! * **Detected**: the host gets a report before or with the first wrong estimate, and no unmarked
+//!   estimate is wrong afterwards.
+//! * **Wrong again**: as detected, but unmarked estimates are wrong after the mark has ended: a mark
+//!   lasts only as long as the check fails.
 //! * **Detected late**: unmarked estimates were wrong before the first report. The latency counts
 //!   from the first wrong one.
 //! * **Harmless**: no report, and no estimate is wrong.
@@ -18,10 +20,6 @@
 //! answer; a hello frame that was not requested; a frame that is damaged, missing, of another
 //! sample or out of sequence; a timeout; the end of the emulation; a tracked clearance that differs
 //! by more than [`CLEARANCE_DEVIATIONS`] standard deviations.
-//!
-//! A detected fault can still leave wrong estimates: a mark lasts as long as the check fails, and
-//! estimates can be **wrong again** after it ends. [`Outcome::wrong_after_report`] counts these
-//! estimates.
 
 use super::emulator::{PumpEnd, Received};
 use super::plan::{Fault, Kind};
@@ -42,6 +40,8 @@ pub(crate) const CLEARANCE_DEVIATIONS: f64 = 4.0;
 pub enum Class {
     /// Reported in time.
     Detected,
+    /// Reported in time, and wrong without a mark afterwards.
+    WrongAgain,
     /// Reported after wrong estimates.
     DetectedLate,
     /// No wrong estimate.
@@ -54,8 +54,8 @@ pub enum Class {
 
 impl Class {
     /// All classes.
-    pub const ALL: [Self; 5] =
-        [Self::Detected, Self::DetectedLate, Self::Harmless, Self::Silent, Self::NotStruck];
+    pub const ALL: [Self; 6] =
+        [Self::Detected, Self::WrongAgain, Self::DetectedLate, Self::Harmless, Self::Silent, Self::NotStruck];
 }
 
 /// Result of a fault.
@@ -239,6 +239,7 @@ fn conclude(fault: &Fault, observation: Observation) -> Outcome {
         (None, None) => Class::Harmless,
         (None, Some(_)) => Class::Silent,
         (Some((reported, _)), Some(wrong)) if wrong < *reported => Class::DetectedLate,
+        (Some(_), Some(_)) if wrong_after_report > 0 => Class::WrongAgain,
         (Some(_), _) => Class::Detected,
     };
     let since = |from: usize| first_report.as_ref().map(|(at, _)| at.saturating_sub(from) as u32);

@@ -9,6 +9,7 @@
 //! | [`attempt`], [`classify`] | injection of one fault and its class |
 //! | [`native`] | a sensor fault without an emulator |
 //! | [`campaign`], [`table`] | many faults on all cores; counts by kind and class |
+//! | [`publication`] | record of the published campaigns, each with a fresh seed |
 //!
 //! A fault is a function of campaign seed and number, so it repeats exactly.
 
@@ -20,6 +21,7 @@ pub mod gdb;
 pub mod image;
 pub mod native;
 pub mod plan;
+pub mod publication;
 pub mod scenario;
 pub mod streams;
 pub mod table;
@@ -66,6 +68,18 @@ pub enum CampaignError {
         /// Expected result.
         expected: &'static str,
     },
+    /// A campaign with this seed has been published.
+    #[error("--seed: found {seed}, which a published campaign has used; expected another one")]
+    NotFresh {
+        /// The seed.
+        seed: u64,
+    },
+    /// The image was built from files that are in no commit.
+    #[error("found an image of build {build}; expected one of a commit without changes")]
+    NotCommitted {
+        /// Name of the build.
+        build: String,
+    },
     /// The journal cannot be used.
     #[error(transparent)]
     Journal(#[from] JournalError),
@@ -87,7 +101,10 @@ pub fn exit(result: Result<bool, CampaignError>) -> ExitCode {
         Err(error) => {
             eprintln!("error: {error}");
             ExitCode::from(match error {
-                CampaignError::Image { .. } | CampaignError::Journal(JournalError::Other { .. }) => 2,
+                CampaignError::Image { .. }
+                | CampaignError::NotFresh { .. }
+                | CampaignError::NotCommitted { .. }
+                | CampaignError::Journal(JournalError::Other { .. }) => 2,
                 _ => 1,
             })
         }

@@ -30,6 +30,8 @@ pub enum Kind {
     Code,
     /// Bit flip in the controller's static memory.
     State,
+    /// Permanent step of a journal probe that is below the threshold of the checks on positions.
+    SensorSmallOffset,
     /// Bit flip on the stack, before an instruction in the middle of a tick.
     Stack,
     /// Reset of the machine.
@@ -66,10 +68,11 @@ pub enum Kind {
 
 impl Kind {
     /// All kinds.
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 20] = [
         Self::Weights,
         Self::Code,
         Self::State,
+        Self::SensorSmallOffset,
         Self::Stack,
         Self::Reset,
         Self::FrameCorrupted,
@@ -93,7 +96,7 @@ impl Kind {
         match self {
             Self::Weights | Self::Stack => 4,
             Self::Code => 8,
-            Self::State => 9,
+            Self::State => 8,
             _ => 1,
         }
     }
@@ -119,6 +122,7 @@ impl Kind {
         matches!(
             self,
             Self::SensorStuck
+                | Self::SensorSmallOffset
                 | Self::SensorJump
                 | Self::SensorSpike
                 | Self::SensorMissing

@@ -26,7 +26,7 @@ pub fn disturbed(fault: &Fault, frames: &[SensorFrame]) -> Vec<(SensorFrame, Sen
         let off = |error: f64| to.wrapping_add(error.round() as i64 as i32);
         match fault.kind {
             Kind::SensorStuck => *to = last,
-            Kind::SensorJump | Kind::SensorOffset => *to = off(amount),
+            Kind::SensorJump | Kind::SensorOffset | Kind::SensorSmallOffset => *to = off(amount),
             Kind::SensorSpike if after == 0 => *to = off(amount),
             Kind::SensorMissing if lasts => *to = i32::MIN,
             Kind::SensorDrift => *to = off(amount * after as f64 / 10_000.0),
@@ -49,8 +49,9 @@ fn magnitude(kind: Kind, channel: SensorChannel, random: &mut SplitMix64) -> f64
     match (kind, channel) {
         (Kind::SensorJump | Kind::SensorSpike, SensorChannel::ShaftAngle) => between(12e6, 1e9),
         (Kind::SensorJump | Kind::SensorSpike, _) => between(60e3, 1e6),
-        // Smaller offsets are within the noise that the checks allow; see `docs/firmware.md`.
         (Kind::SensorOffset, _) => between(15e3, 50e3),
+        // Within the noise that the checks allow; see `docs/firmware.md`.
+        (Kind::SensorSmallOffset, _) => between(1e3, 12e3),
         // Drift in one second.
         (Kind::SensorDrift, _) => between(100e3, 1e6),
         (Kind::SensorNoise, SensorChannel::ShaftAngle) => between(1e6, 20e6),
@@ -117,7 +118,7 @@ pub fn bytes(message: &ToController) -> Result<Vec<u8>, CampaignError> {
 fn channel_of(kind: Kind, random: &mut SplitMix64) -> SensorChannel {
     let journal = [SensorChannel::JournalY, SensorChannel::JournalZ];
     let channels: &[SensorChannel] = match kind {
-        Kind::SensorOffset | Kind::SensorDrift => &journal,
+        Kind::SensorOffset | Kind::SensorSmallOffset | Kind::SensorDrift => &journal,
         Kind::SensorStuck | Kind::SensorJump | Kind::SensorSpike | Kind::SensorNoise => {
             &[SensorChannel::JournalY, SensorChannel::JournalZ, SensorChannel::ShaftAngle]
         }

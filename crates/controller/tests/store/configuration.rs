@@ -165,6 +165,7 @@ fn a_value_whose_write_was_reported_as_failed_does_not_outlive_a_later_one() {
 fn a_value_that_was_corrupted_is_not_copied_as_if_it_were_intact() {
     let mut keeper = Keeper::start(Places::new());
     keeper.keep(Kind::Trust, 1, &value(1)).unwrap();
+    keeper.keep(Kind::Configuration, 1, &value(0)).unwrap();
     keeper.keep(Kind::Configuration, 1, &value(2)).unwrap();
     // The half is full, and a bit of the first record flips.
     keeper.memory_mut().bytes[40] ^= 1;
@@ -179,6 +180,7 @@ fn a_value_that_was_corrupted_is_not_copied_as_if_it_were_intact() {
 fn power_lost_after_a_failed_write_loses_no_value() {
     let mut keeper = Keeper::start(Places::new());
     keeper.keep(Kind::Trust, 1, &value(1)).unwrap();
+    keeper.keep(Kind::Configuration, 1, &value(0)).unwrap();
     keeper.keep(Kind::Configuration, 1, &value(2)).unwrap();
     let full = keeper.into_memory();
     // In the other half the copy of the first value is written, and the new record fails.
