@@ -12,13 +12,14 @@ use link::update::ModelMemory;
 
 use controller::store::SlotMemory;
 use controller::store::controller::FlashError;
+use controller::store::keeper::{Kind, RECORD};
 
 use super::microcontroller::Sectors;
 
 /// Bytes of both slots in RAM.
 const SLOTS: usize = 2 * 20 * 1024;
-/// Bytes of both halves for the configuration in RAM.
-const PLACES: usize = 2 * 512;
+/// Bytes of both halves for the kept values in RAM: one of each kind in a half.
+const PLACES: usize = 2 * Kind::ALL.len() * RECORD;
 /// Mark of RAM that has been initialised since power-on.
 const IN_USE: u32 = 0x9E1D_57A7;
 

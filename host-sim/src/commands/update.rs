@@ -78,6 +78,7 @@ pub fn run(args: &UpdateArgs) -> Result<(), CliError> {
             Some(path) => format!("{}: {error}", path.display()),
             None => error.to_string(),
         })),
+        Some(Err(UpdateError::NotPermitted(error))) => Err(error.into()),
         Some(Err(error)) => Err(CliError::Work(error.to_string())),
     }
 }

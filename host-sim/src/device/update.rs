@@ -39,6 +39,9 @@ pub enum UpdateError {
          repeat the command to continue"
     )]
     Line(ControllerError),
+    /// The controller refused the permission, or has another key.
+    #[error(transparent)]
+    NotPermitted(ControllerError),
     /// Requests were answered, but the update did not progress.
     #[error(
         "the update made no progress within {ATTEMPTS} attempts, the last at offset {next_offset} of {length}"
@@ -96,6 +99,9 @@ pub fn update(
             }
             Ok(UpdateAnswer::Refused(reason)) => return Err(UpdateError::Refused(reason)),
             Ok(UpdateAnswer::Record(_)) => continue,
+            Err(error @ (ControllerError::Refused(_) | ControllerError::WrongKey)) => {
+                return Err(UpdateError::NotPermitted(error));
+            }
             Err(error) => {
                 (lost, repeated, request) = (lost + 1, repeated + 1, UpdateRequest::Status);
                 failed = Some(error);
@@ -169,6 +175,7 @@ fn chunk(package: &Package, offset: u32) -> UpdateRequest {
 mod tests {
     use super::*;
     use inference::{BearingMaterial, shipped};
+    use link::Refusal;
     use link::update::ModelMemory;
     use model_quant::exchange::package::PackageProperties;
     use model_quant::quantise::image::AlignedImage;
@@ -190,6 +197,7 @@ mod tests {
         loses: Vec<bool>,
         asked: usize,
         refuses: Option<UpdateRefusal>,
+        requires_key: bool,
     }
 
     fn fake(loses: Vec<bool>) -> Fake {
@@ -203,7 +211,15 @@ mod tests {
             development_key: true,
             ..UpdateStatus::default()
         };
-        Fake { package: package(), status, received: Vec::new(), loses, asked: 0, refuses: None }
+        Fake {
+            package: package(),
+            status,
+            received: Vec::new(),
+            loses,
+            asked: 0,
+            refuses: None,
+            requires_key: false,
+        }
     }
 
     impl Ask for Fake {
@@ -213,6 +229,9 @@ mod tests {
             match request {
                 UpdateRequest::Begin(signed) => {
                     assert_eq!(signed, self.package.signed);
+                    if self.requires_key {
+                        return Err(ControllerError::Refused(Refusal::NotAuthenticated));
+                    }
                     if let Some(reason) = self.refuses {
                         return Ok(UpdateAnswer::Refused(reason));
                     }
@@ -271,6 +290,16 @@ mod tests {
         let mut dead = fake(vec![true]);
         assert!(matches!(update(&mut dead, &package(), |_| {}), Err(UpdateError::Line(_))));
         assert_eq!(dead.asked, ATTEMPTS as usize);
+    }
+
+    #[test]
+    fn a_missing_key_ends_it_at_once_and_is_an_input_error() {
+        let mut line = Fake { requires_key: true, ..fake(Vec::new()) };
+        let Err(UpdateError::NotPermitted(error)) = update(&mut line, &package(), |_| {}) else {
+            panic!("expected the controller's refusal")
+        };
+        assert_eq!(line.asked, 2);
+        assert_eq!(crate::cli::error::CliError::from(error).exit_code(), 2);
     }
 
     #[test]
