@@ -152,8 +152,8 @@ pub enum Refusal {
     NotConfigured,
     /// The command is refused during a run.
     Running,
-    /// The controller has no storage, or writing failed. With a key this may also concern the number
-    /// of the start.
+    /// The controller has no storage, or writing failed. With a key of the link, what was to be
+    /// stored may be the number of the start.
     NotKept,
     /// The controller has no sensors or no timer that paces samples.
     NoSensors,

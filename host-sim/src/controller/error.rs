@@ -111,7 +111,7 @@ pub enum ControllerError {
     /// It refused a command.
     #[error("the controller refused: {}", describe_refusal(_0))]
     Refused(Refusal),
-    /// It has another key of the link, or a forged frame came in its name.
+    /// It has another key of the link, or a forged frame arrived in its name.
     #[error("the key of the link is not the controller's; expected the one that its firmware was built with")]
     WrongKey,
     /// A damaged frame on a link that loses nothing.

@@ -74,8 +74,8 @@ pub(crate) fn text(key: &SigningKey) -> String {
 #[must_use]
 pub(crate) fn link_text(secret: &[u8; 32]) -> String {
     format!(
-        "# Key of a link, for PINTLE_LINK_KEY and --link-key. Whoever has it can command the controllers\n\
-         # that were built with it.\n{}\n",
+        "# Key of a link, for PINTLE_LINK_KEY and --link-key. Its owner can command the controllers that\n\
+         # were built with it.\n{}\n",
         digits(secret)
     )
 }

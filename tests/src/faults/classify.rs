@@ -3,8 +3,8 @@
 //!
 //! * **Detected**: the host gets a report before or with the first wrong estimate, and no unmarked
 //!   estimate is wrong afterwards.
-//! * **Wrong again**: as detected, but unmarked estimates are wrong after the mark has ended: a mark
-//!   lasts only as long as the check fails.
+//! * **Wrong again**: as detected, but unmarked estimates are wrong after the mark has ended: a
+//!   mark lasts only as long as the check fails.
 //! * **Detected late**: unmarked estimates were wrong before the first report. The latency counts
 //!   from the first wrong one.
 //! * **Harmless**: no report, and no estimate is wrong.

@@ -9,8 +9,8 @@ use link::{Command, NumberedCommand, Refusal, ToController};
 use crate::store::key::{is_hexadecimal, key_at};
 
 /// Key that this build requires; none by default. It is an input of the build, as
-/// [`crate::store::key`]: `PINTLE_LINK_KEY=<64 hexadecimal digits> cargo xtask firmware`. Whoever
-/// reads the image has the key.
+/// [`crate::store::key`]: `PINTLE_LINK_KEY=<64 hexadecimal digits> cargo xtask firmware`. Any
+/// reader of the image has the key.
 pub const LINK_KEY: Option<LinkKey> = match option_env!("PINTLE_LINK_KEY") {
     Some(text) => Some(LinkKey::new(given(text.as_bytes()))),
     None => None,
