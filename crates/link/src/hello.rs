@@ -63,8 +63,9 @@ pub enum ClockSource {
     Internal,
 }
 
-/// Number of bearing materials with a model. A change also changes [`PROTOCOL_VERSION`].
-pub const MODELS: usize = 2;
+/// Number of bearing materials that a hello frame and a package have room for. A change also changes
+/// [`PROTOCOL_VERSION`].
+pub const MODELS: usize = 5;
 
 /// Identity of a model image on board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -73,6 +74,11 @@ pub struct ModelId {
     pub crc: u32,
     /// Identifier of the training run; 0 if the image was rejected.
     pub training_id: u64,
+}
+
+impl ModelId {
+    /// Identity of a rejected image, or of a material that does not exist.
+    pub const NONE: Self = Self { crc: 0, training_id: 0 };
 }
 
 /// State of the controller.

@@ -24,7 +24,7 @@ pub(super) fn no_hello() -> Hello {
         clock: ClockSource::Internal,
         core_hz: 0,
         window: 0,
-        models: [ModelId { crc: 0, training_id: 0 }; link::MODELS],
+        models: [ModelId::NONE; link::MODELS],
         token: 0,
         last_command: 0,
         state: State::Waiting,

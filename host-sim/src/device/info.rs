@@ -2,6 +2,7 @@
 
 use super::describe;
 use crate::controller::{Controller, ControllerError, Losses, RemoteController};
+use inference::BearingMaterial;
 use link::start::SupervisorReport;
 use link::track::TrackReport;
 use link::update::{UpdateAnswer, UpdateRequest, UpdateStatus};
@@ -70,9 +71,9 @@ impl DeviceInfo {
             "fault": hello.start.fault.map(|fault| json!({ "text": fault.to_string(), "record": fault })),
             "stack": hello.stack,
             "window_samples": hello.window,
-            "models": hello.models.map(|m| json!({
+            "models": BearingMaterial::ALL.iter().zip(hello.models).map(|(_, m)| json!({
                 "crc": format!("{:08x}", m.crc), "training_id": format!("{:016x}", m.training_id),
-            })),
+            })).collect::<Vec<_>>(),
             "model_store": self.models,
             "supervisor": self.supervisor,
             "track": self.track,

@@ -86,7 +86,7 @@ impl Conversation {
     }
 
     pub(super) const fn mark_code_corrupted(&mut self) {
-        self.set_models([ModelId { crc: 0, training_id: 0 }; link::MODELS]);
+        self.set_models([ModelId::NONE; link::MODELS]);
         self.is_code_corrupted = true;
     }
 

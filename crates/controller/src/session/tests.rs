@@ -6,12 +6,12 @@ use super::*;
 use crate::configuration::BENCH_B;
 use crate::flags::{SEQUENCE_GAP, STALE, TRIPPED};
 use inference::Flags;
-use inference::WINDOW;
+use inference::{BearingMaterial, WINDOW};
 use link::start::Presence;
 use link::update::UpdateStatus;
 use link::{
     Acknowledgement, Answer, BadFrames, BuildId, ClockSource, Command, ControllerConfiguration,
-    EstimateFrame, Field, LineErrors, MAGIC, NumberedCommand, PROTOCOL_VERSION, Refusal,
+    EstimateFrame, Field, LineErrors, MAGIC, ModelId, NumberedCommand, PROTOCOL_VERSION, Refusal,
 };
 
 /// A tick counter with given readings: before the frame is encoded, and in total.
@@ -92,7 +92,8 @@ fn the_hello_frame_names_both_models_and_repeats_the_token() {
         panic!("expected a hello frame");
     };
     assert_eq!((hello.magic, hello.protocol, hello.window), (MAGIC, PROTOCOL_VERSION, WINDOW as u16));
-    assert!(hello.models.iter().all(|model| model.crc != 0));
+    let (models, room) = hello.models.split_at(BearingMaterial::COUNT);
+    assert!(models.iter().all(|model| model.crc != 0) && room.iter().all(|model| *model == ModelId::NONE));
     assert_ne!(hello.models[0], hello.models[1]);
     assert_eq!((hello.token, hello.last_command, hello.state), (77, 0, State::Waiting));
     assert_eq!(hello.configuration_crc, 0);

@@ -1,8 +1,8 @@
 //! The networks that a controller runs, by bearing.
 
 use inference::{BearingMaterial, Model, shipped};
-use link::ModelId;
 use link::update::ModelSource;
+use link::{MODELS, ModelId};
 use model_package::Checked;
 
 /// An image and the model over it.
@@ -59,13 +59,18 @@ impl Models {
             Some(Loaded { model, .. }) => {
                 ModelId { crc: model.checksum(), training_id: model.header().training_id }
             }
-            None => ModelId { crc: 0, training_id: 0 },
+            None => ModelId::NONE,
         }
     }
 
-    /// Returns [`Self::id`] of every bearing.
+    /// Returns [`Self::id`] by the bearing's code.
     #[must_use]
-    pub fn ids(&self) -> [ModelId; BearingMaterial::COUNT] {
-        BearingMaterial::ALL.map(|bearing| self.id(bearing))
+    pub fn ids(&self) -> [ModelId; MODELS] {
+        const { assert!(BearingMaterial::COUNT <= MODELS) };
+        let mut ids = [ModelId::NONE; MODELS];
+        for (id, bearing) in ids.iter_mut().zip(BearingMaterial::ALL) {
+            *id = self.id(bearing);
+        }
+        ids
     }
 }
