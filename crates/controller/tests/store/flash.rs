@@ -4,7 +4,7 @@
 //! only some of the bits have changed. Every later operation fails until [`Flash::restart`].
 //! Programming only clears bits; an attempt to set one is an error of the code under test.
 //!
-//! Words of more than 4 bytes have an error correction code, as on the STM32H743: a word must not be
+//! Words of more than 4 bytes have an error correction code, as on the STM32H743. They must not be
 //! programmed twice between two erasures, and one that was interrupted may be unreadable.
 
 use controller::store::SlotMemory;

@@ -1,9 +1,9 @@
 //! Caches of the core, and reads that may fail.
 //!
-//! Stack, statics and the state of the filter are in the data TCM, which needs no cache. Both caches
-//! serve the flash: the instruction cache code, the data cache weights and constants. Nothing in
-//! flash is written through the data cache except by programming, after which it is emptied. The
-//! memory protection unit excludes the memory that DMA writes, so that a read never sees old bytes.
+//! Stack, statics and the filter's state are in the data TCM, which needs no cache. Both caches
+//! serve the flash: the instruction cache code, the data cache weights and constants. Flash changes
+//! only by erasing and programming, after which the data cache is emptied. The memory protection
+//! unit excludes the memory that DMA writes, so that a read never returns old bytes.
 //!
 //! Sources: PM0253 sections 4.6 (MPU) and 4.8 (caches), Armv7-M reference manual B3.2.8 (CCR).
 

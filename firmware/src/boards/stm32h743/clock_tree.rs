@@ -1,5 +1,5 @@
-//! Reset, clock and power controllers for [`ClockPort`]. Sources: RM0433 sections 4.3.8 (flash), 6.6
-//! (supply), 8 (RCC); data sheet DS12110 (frequencies).
+//! Reset, clock and power controllers for [`ClockPort`]. Sources: RM0433 sections 4.3.8 (flash),
+//! 6.6 (supply), 8 (RCC); data sheet DS12110 (frequencies).
 //!
 //! | supply | revision | core | buses | peripherals' buses |
 //! |---|---|---|---|---|

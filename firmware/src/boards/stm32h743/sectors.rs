@@ -1,5 +1,5 @@
-//! The last four sectors of flash bank 2, 128 KiB each, for data that is written at run time (RM0433
-//! section 4.3).
+//! The last four sectors of flash bank 2, 128 KiB each, for data that is written at run time
+//! (RM0433 section 4.3).
 //!
 //! | sectors of bank 2 | address | content |
 //! |---|---|---|
@@ -79,8 +79,8 @@ impl Sectors {
     }
 }
 
-/// The controller of flash bank 2. Only `idle` writes flash, one operation at a time. The clock tree
-/// has set the wait states before.
+/// The controller of flash bank 2. Only `idle` writes flash, one operation at a time. The clock
+/// tree has set the wait states before.
 struct Port;
 
 fn registers() -> &'static flash::BANK {
