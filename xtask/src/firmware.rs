@@ -14,8 +14,14 @@ pub(crate) const OTHER_CORE: Firmware = match boards::find("mps2-an505") {
     None => DEFAULT,
 };
 
+/// The image for a board that no emulator models: it is linked and checked, and never run.
+pub(crate) const NOT_EMULATED: Firmware = match boards::find("nucleo-h743zi2") {
+    Some(board) => Firmware(board),
+    None => DEFAULT,
+};
+
 /// The firmware for one board.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Firmware(pub(crate) &'static Board);
 
 /// Parses the argument of `--board`.
@@ -126,5 +132,7 @@ mod tests {
     #[test]
     fn the_second_image_is_for_another_core() {
         assert_ne!(DEFAULT.0.microcontroller.target, OTHER_CORE.0.microcontroller.target);
+        assert_ne!(DEFAULT.0.microcontroller, NOT_EMULATED.0.microcontroller);
+        assert!(!NOT_EMULATED.0.microcontroller.is_emulated_only());
     }
 }

@@ -136,6 +136,9 @@ enum Command {
     Flash(flash::FlashArgs),
     /// Report the static bound and the emulated high-water mark of the stack.
     Stack {
+        /// Name of the board; only the image of the default one is run.
+        #[arg(long, default_value = "stm32f405", value_parser = firmware::parse_board)]
+        board: firmware::Firmware,
         /// Print as JSON.
         #[arg(long)]
         json: bool,
@@ -162,6 +165,9 @@ enum Command {
     Archive,
     /// Report flash, RAM and stack of the image, and whether it contains a reachable panic.
     Size {
+        /// Name of the board.
+        #[arg(long, default_value = "stm32f405", value_parser = firmware::parse_board)]
+        board: firmware::Firmware,
         /// Print as JSON.
         #[arg(long)]
         json: bool,
@@ -225,11 +231,11 @@ fn main() -> ExitCode {
             image.map_or_else(|| cycles::cycles(json), |image| cycles::image(&image))
         }
         Command::Flash(args) => flash::flash(&args),
-        Command::Stack { json } => stack::stack(json),
+        Command::Stack { board, json } => stack::stack(board, json),
         Command::Sensitivity { modules } => sensitivity::sensitivity(&modules),
         Command::Book => book::book().map(|page| print_path(&page)),
         Command::Archive => archive::archive().map(|path| print_path(&path)),
-        Command::Size { json } => size::size(json),
+        Command::Size { board, json } => size::size(board, json),
         Command::Campaign(campaign) => return exit(run_campaign(&campaign)),
     };
     exit(result.map(|()| ExitCode::SUCCESS))

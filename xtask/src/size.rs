@@ -4,8 +4,9 @@
 //! below. The panic handler refers to a marker symbol: an image without the symbol contains no
 //! reachable panic.
 
+use crate::firmware::{DEFAULT, Firmware};
 use crate::run::ChoreError;
-use crate::{firmware, stack};
+use crate::stack;
 use object::{Object, ObjectSection, ObjectSymbol, SectionFlags, elf};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -31,8 +32,9 @@ pub(crate) struct Figures {
     pub(crate) sizes: Sizes,
     /// Upper bound of the stack, bytes.
     pub(crate) stack_bound_bytes: u32,
-    /// Stack used in the emulator, bytes.
-    pub(crate) stack_painted_bytes: u32,
+    /// Stack used in the emulator, bytes; `None` for a board that it does not model.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) stack_painted_bytes: Option<u32>,
 }
 
 impl Sizes {
@@ -63,23 +65,27 @@ impl Sizes {
     }
 }
 
-/// Builds the default board's image and measures it.
-pub(crate) fn measure() -> Result<Figures, ChoreError> {
-    let sizes = Sizes::read(&firmware::DEFAULT.build()?)?;
-    let stack = stack::measure()?;
+/// Builds a board's image and measures it. Only the default board's image is run.
+///
+/// For another board one build suffices: the image with the sizes of its stack frames has the same
+/// code.
+pub(crate) fn measure(board: Firmware) -> Result<Figures, ChoreError> {
+    let (image, stack) = stack::measure(board)?;
+    let image = if board == DEFAULT { board.build()? } else { image };
+    let sizes = Sizes::read(&image)?;
     let (stack_bound_bytes, stack_painted_bytes) = (stack.stack_bound_bytes, stack.stack_painted_bytes);
     Ok(Figures { sizes, stack_bound_bytes, stack_painted_bytes })
 }
 
 /// Prints the figures.
-pub(crate) fn size(json: bool) -> Result<(), ChoreError> {
-    let figures = measure()?;
+pub(crate) fn size(board: Firmware, json: bool) -> Result<(), ChoreError> {
+    let figures = measure(board)?;
     if json {
         println!("{}", serde_json::json!(figures));
     } else {
         let Figures { sizes, stack_bound_bytes, stack_painted_bytes } = figures;
         println!("flash {} bytes, static RAM {} bytes", sizes.flash_bytes, sizes.ram_bytes);
-        println!("stack at most {stack_bound_bytes} bytes, {stack_painted_bytes} seen in the emulator");
+        println!("stack at most {stack_bound_bytes} bytes{}", stack::seen(stack_painted_bytes));
         println!("reachable panic: {}", if sizes.panic_symbol { "yes" } else { "none" });
     }
     Ok(())

@@ -5,17 +5,20 @@
 //! ready flags, starts all the same and reports its source in the hello frame. The registers are
 //! accessed through [`ClockPort`], so the decisions are tested on the host.
 //!
-//! Boards with this microcontroller carry crystals of 8, 12 or 25 MHz, and one image serves them
-//! all. By default no crystal is assumed, and the PLL runs on the internal oscillator: 168 MHz with
-//! 1 % tolerance. Samples from the link carry their own time and tolerate that.
+//! A clock signal from outside, such as that of a debugger on the board, counts as a crystal.
+//!
+//! Boards with an STM32F405 carry crystals of 8, 12 or 25 MHz, and one image serves them all. By
+//! default no crystal is assumed, and the PLL runs on the internal oscillator: 168 MHz with 1 %
+//! tolerance. Samples from the link carry their own time and tolerate that.
 
 use link::ClockSource;
 
-/// Core frequency with the PLL, Hz.
+/// Core frequency of the STM32F405 with the PLL, Hz.
 pub const PLL_HZ: u32 = 168_000_000;
-/// Internal oscillator, Hz.
+/// Internal oscillator of the STM32F405, Hz.
 pub const INTERNAL_HZ: u32 = 16_000_000;
-/// Maximum number of polls of a flag: about 25 ms at 16 MHz, ten times what a crystal may take.
+/// Maximum number of polls of a flag: about 25 ms at 16 MHz and 6 ms at 64 MHz. A crystal may take
+/// 2.5 ms.
 pub const POLLS: u32 = 50_000;
 
 /// Input of the PLL.
@@ -26,17 +29,22 @@ pub enum PllInput {
         /// Frequency, MHz.
         mhz: u8,
     },
-    /// Internal oscillator, 16 MHz.
+    /// Internal oscillator.
     Internal,
 }
 
 /// Registers of the clock tree.
 pub trait ClockPort {
+    /// Internal oscillator, Hz.
+    const INTERNAL_HZ: u32;
+    /// Prepares the supply voltage for the PLL. Returns the core frequency with it, Hz; `None` if
+    /// the voltage does not suffice.
+    fn prepare_pll(&mut self) -> Option<u32>;
     /// Switches the crystal oscillator on.
     fn start_crystal(&mut self);
     /// Returns `true` if the crystal oscillator runs.
     fn crystal_ready(&self) -> bool;
-    /// Programs and starts the PLL for [`PLL_HZ`].
+    /// Programs and starts the PLL for the frequency of [`ClockPort::prepare_pll`].
     fn start_pll(&mut self, input: PllInput);
     /// Returns `true` if the PLL has locked.
     fn pll_ready(&self) -> bool;
@@ -58,7 +66,8 @@ pub struct Clocks {
 }
 
 /// Starts the best available clock. `crystal_mhz` is the board's crystal, if known.
-pub fn bring_up(port: &mut impl ClockPort, crystal_mhz: Option<u8>) -> Clocks {
+pub fn bring_up<P: ClockPort>(port: &mut P, crystal_mhz: Option<u8>) -> Clocks {
+    let pll_hz = port.prepare_pll();
     let crystal = crystal_mhz.filter(|_| {
         port.start_crystal();
         within_polls(|| port.crystal_ready())
@@ -68,9 +77,10 @@ pub fn bring_up(port: &mut impl ClockPort, crystal_mhz: Option<u8>) -> Clocks {
         Some((PllInput::Internal, ClockSource::PllInternal)),
     ];
     for (input, source) in inputs.into_iter().flatten() {
+        let Some(core_hz) = pll_hz else { break };
         port.start_pll(input);
         if within_polls(|| port.pll_ready()) && switch(port, source) {
-            return Clocks { source, core_hz: PLL_HZ };
+            return Clocks { source, core_hz };
         }
         port.select(ClockSource::Internal);
         port.stop_pll();
@@ -81,7 +91,7 @@ pub fn bring_up(port: &mut impl ClockPort, crystal_mhz: Option<u8>) -> Clocks {
         return Clocks { source: ClockSource::Crystal, core_hz: u32::from(mhz).saturating_mul(1_000_000) };
     }
     port.select(ClockSource::Internal);
-    Clocks { source: ClockSource::Internal, core_hz: INTERNAL_HZ }
+    Clocks { source: ClockSource::Internal, core_hz: P::INTERNAL_HZ }
 }
 
 fn switch(port: &mut impl ClockPort, source: ClockSource) -> bool {
@@ -89,7 +99,8 @@ fn switch(port: &mut impl ClockPort, source: ClockSource) -> bool {
     within_polls(|| port.selected(source))
 }
 
-fn within_polls(mut ready: impl FnMut() -> bool) -> bool {
+/// Polls a flag until it is set or [`POLLS`] are over. Returns whether it was set.
+pub fn within_polls(mut ready: impl FnMut() -> bool) -> bool {
     (0..POLLS).any(|_| ready())
 }
 
@@ -105,6 +116,7 @@ mod tests {
         pll_on_crystal: bool,
         pll_on_internal: bool,
         switch_dead: bool,
+        low_voltage: bool,
         input: Option<PllInput>,
         chosen: Option<ClockSource>,
         polls: Cell<u32>,
@@ -118,6 +130,12 @@ mod tests {
     }
 
     impl ClockPort for Fake {
+        const INTERNAL_HZ: u32 = INTERNAL_HZ;
+
+        fn prepare_pll(&mut self) -> Option<u32> {
+            (!self.low_voltage).then_some(PLL_HZ)
+        }
+
         fn start_crystal(&mut self) {}
 
         fn crystal_ready(&self) -> bool {
@@ -125,6 +143,7 @@ mod tests {
         }
 
         fn start_pll(&mut self, input: PllInput) {
+            assert!(!self.low_voltage);
             assert_eq!(self.input, None, "the PLL must be stopped before it is programmed");
             self.input = Some(input);
         }
@@ -166,6 +185,8 @@ mod tests {
             (Fake { crystal: true, ..Fake::default() }, Some(12), ClockSource::Crystal, 12_000_000),
             (Fake::default(), Some(8), ClockSource::Internal, INTERNAL_HZ),
             (Fake { switch_dead: true, ..all() }, Some(8), ClockSource::Internal, INTERNAL_HZ),
+            (Fake { low_voltage: true, ..all() }, Some(8), ClockSource::Crystal, 8_000_000),
+            (Fake { low_voltage: true, ..all() }, None, ClockSource::Internal, INTERNAL_HZ),
         ];
         for (index, (mut fake, crystal, source, core_hz)) in cases.into_iter().enumerate() {
             assert_eq!(bring_up(&mut fake, crystal), Clocks { source, core_hz }, "case {index}");

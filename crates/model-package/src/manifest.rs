@@ -28,6 +28,8 @@ use crate::self_test::RECORD_LENGTH;
 pub mod board {
     /// Code of [`ALL`]'s entry for the STM32F405.
     pub const STM32F405: u16 = 0x0405;
+    /// Code of [`ALL`]'s entry for the STM32H743.
+    pub const STM32H743: u16 = 0x0743;
     /// Code of [`ALL`]'s entry for the MPS2+.
     pub const MPS2_AN505: u16 = 0x0505;
 
@@ -43,12 +45,13 @@ pub mod board {
     }
 
     /// Every board; the first one is the default.
-    pub const ALL: [Board; 2] = [
+    pub const ALL: [Board; 3] = [
         Board {
             code: STM32F405,
             name: "stm32f405",
             title: "STM32F405: all boards with it, and the emulator",
         },
+        Board { code: STM32H743, name: "stm32h743", title: "STM32H743: all boards with it" },
         Board { code: MPS2_AN505, name: "mps2-an505", title: "Arm MPS2+ with image AN505" },
     ];
 }

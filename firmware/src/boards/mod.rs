@@ -7,6 +7,7 @@
 //!
 //! * `stm32f405/`: Cortex-M4F. One image runs on every board with an STM32F405 and on the
 //!   emulator's `netduinoplus2`. It detects the emulator when it starts.
+//! * `stm32h743/`: Cortex-M7 with two banks of flash. No emulator models it.
 //! * `mps2_an505/`: Cortex-M33, Arm's prototyping board with image AN505; used as the emulator's
 //!   `mps2-an505`.
 //!
@@ -26,13 +27,17 @@ mod model_memory;
 mod platform;
 mod receive_event;
 mod rtt;
+#[cfg_attr(feature = "stm32h743", expect(dead_code, reason = "no emulator models this microcontroller"))]
 mod semihosting;
 mod serial_transport;
 mod started;
+#[cfg(any(feature = "stm32f405", feature = "stm32h743"))]
+mod stm32;
 mod timer;
 
 // One line per microcontroller.
 #[cfg_attr(feature = "stm32f405", path = "stm32f405/mod.rs")]
+#[cfg_attr(feature = "stm32h743", path = "stm32h743/mod.rs")]
 #[cfg_attr(feature = "mps2-an505", path = "mps2_an505/mod.rs")]
 mod microcontroller;
 

@@ -7,7 +7,7 @@
 use core::cell::UnsafeCell;
 use core::mem::MaybeUninit;
 
-use embedded_storage::nor_flash::{ErrorType, MultiwriteNorFlash, NorFlash, ReadNorFlash};
+use embedded_storage::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
 use link::update::ModelMemory;
 
 use controller::store::SlotMemory;
@@ -106,6 +106,11 @@ impl Memory {
             Err(FlashError::OutOfBounds)
         }
     }
+
+    /// Decides whether every byte of a range within the memory can be read.
+    fn is_readable(&self, start: usize, length: usize) -> bool {
+        self.sectors.as_ref().is_none_or(|sectors| sectors.is_readable(start, length))
+    }
 }
 
 impl ErrorType for Memory {
@@ -116,7 +121,11 @@ impl ReadNorFlash for Memory {
     const READ_SIZE: usize = 1;
 
     fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), FlashError> {
-        let from = self.range(offset, bytes.len())? as *const u8;
+        let start = self.range(offset, bytes.len())?;
+        if !self.is_readable(start, bytes.len()) {
+            return Err(FlashError::Unreadable);
+        }
+        let from = start as *const u8;
         for (index, byte) in bytes.iter_mut().enumerate() {
             #[expect(
                 unsafe_code,
@@ -135,7 +144,7 @@ impl ReadNorFlash for Memory {
 }
 
 impl NorFlash for Memory {
-    const WRITE_SIZE: usize = 4;
+    const WRITE_SIZE: usize = Sectors::WORD_LENGTH;
     /// Smallest unit that both kinds can erase; flash refuses anything but complete sectors.
     const ERASE_SIZE: usize = PLACES / 2;
 
@@ -171,9 +180,9 @@ impl NorFlash for Memory {
     }
 }
 
-impl MultiwriteNorFlash for Memory {}
-
 impl SlotMemory for Memory {
+    const IS_WRITE_ONCE: bool = Sectors::IS_WRITE_ONCE;
+
     fn kind(&self) -> ModelMemory {
         if self.stalls_the_core() { ModelMemory::Flash } else { ModelMemory::Volatile }
     }
@@ -184,6 +193,9 @@ impl SlotMemory for Memory {
 
     fn in_place(&self, offset: u32, length: u32) -> &'static [u8] {
         let Ok(start) = self.range(offset, length as usize) else { return &[] };
+        if !self.is_readable(start, length as usize) {
+            return &[];
+        }
         #[expect(
             unsafe_code,
             reason = "inside initialised memory that is never freed; the store does not write a slot in use"

@@ -14,7 +14,8 @@ use std::path::PathBuf;
     cargo run --release -p host-sim --features probe -- flash --board feather-stm32f405 --follow\n\n\
     Without a probe: see docs/firmware.md for flashing over USB (DFU).")]
 pub struct FlashArgs {
-    /// The board: stm32f405 (any of them), feather-stm32f405, olimex-stm32-h405, netduino-plus-2.
+    /// The board: stm32f405 (any of them), feather-stm32f405, olimex-stm32-h405, netduino-plus-2,
+    /// nucleo-h743zi2.
     #[arg(long, value_parser = parse_board)]
     pub board: Board,
     /// The image; by default the output of `cargo xtask firmware --board` for this board.

@@ -124,11 +124,16 @@ mod tests {
 
     #[test]
     fn the_shortest_period_of_own_samples_has_room_for_the_longest_tick_and_a_quarter_of_it() {
-        let (golden, board) = (golden().unwrap(), controller::boards::find("stm32f405").unwrap());
-        let tick = golden.boards.iter().find(|found| found.board == board.name).unwrap().tick_max;
-        let handler = board.microcontroller.handler_cycles.unwrap();
-        assert!(5 * tick <= 4 * u64::from(handler), "{tick} {handler}");
-        assert_eq!(board.microcontroller.shortest_period_us(controller::clock::PLL_HZ), 298);
+        let golden = golden().unwrap();
+        for (name, core_hz, shortest_us) in
+            [("stm32f405", controller::clock::PLL_HZ, 298), ("nucleo-h743zi2", 480_000_000, 230)]
+        {
+            let microcontroller = controller::boards::find(name).unwrap().microcontroller;
+            let board = golden.boards.iter().find(|board| board.board == microcontroller.feature).unwrap();
+            let (tick, handler) = (board.tick_max, microcontroller.handler_cycles.unwrap());
+            assert!(5 * tick <= 4 * u64::from(handler), "{name}: {tick} {handler}");
+            assert_eq!(microcontroller.shortest_period_us(core_hz), shortest_us, "{name}");
+        }
     }
 
     #[test]

@@ -1,4 +1,5 @@
-//! Rough time of instructions on a Cortex-M7 with code and data in its tightly coupled memories.
+//! Rough time of instructions on a Cortex-M7, with code and data in its tightly coupled memories or
+//! with code and constants in flash that [`Caches`] serve.
 //!
 //! Arm publishes no table of cycles for this core. The upper bound issues one instruction at a
 //! time; the lower bound issues two neighbours in one cycle if [`can_pair`] allows it. Both follow
@@ -10,6 +11,7 @@
 
 use super::bound::Bound;
 use super::decode::{Instruction, Kind};
+use super::m7_caches::Caches;
 use super::trace::{Section, Step};
 use std::collections::HashMap;
 
@@ -18,6 +20,8 @@ use std::collections::HashMap;
 pub(super) struct CortexM7 {
     bound: Bound,
     taken: HashMap<u32, u8>,
+    /// `None` if code and constants are in tightly coupled memory.
+    caches: Option<Caches>,
 }
 
 /// Counter of a branch that is predicted as taken.
@@ -25,13 +29,16 @@ const LIKELY: u8 = 2;
 
 impl CortexM7 {
     /// Creates a core.
-    pub(super) fn new(bound: Bound) -> Self {
-        Self { bound, taken: HashMap::new() }
+    pub(super) fn new(bound: Bound, caches: Option<Caches>) -> Self {
+        Self { bound, taken: HashMap::new(), caches }
     }
 
-    /// Returns the cycles of a section. The branch prediction is empty at its start.
+    /// Returns the cycles of a section. Branch prediction and caches are empty at its start.
     pub(super) fn price(&mut self, section: &Section) -> u64 {
         self.taken.clear();
+        if let Some(caches) = &mut self.caches {
+            caches.clear();
+        }
         let mut now = 0;
         // The instruction that was issued last, unless it was the second of a pair.
         let mut first: Option<Instruction> = None;
@@ -45,6 +52,9 @@ impl CortexM7 {
             now += self.cycles(&instruction) - u64::from(is_paired) + u64::from(has_waited);
             let penalty = self.penalty(step);
             now += penalty;
+            if let Some(caches) = &mut self.caches {
+                now += caches.stall(step, section.accesses(step));
+            }
             first = (!is_paired && penalty == 0).then_some(instruction);
             previous = Some(instruction);
         }
@@ -117,7 +127,7 @@ mod tests {
     use super::*;
 
     fn price(code: &[Code]) -> [u64; 2] {
-        [Bound::Lower, Bound::Upper].map(|bound| CortexM7::new(bound).price(&section(code)))
+        [Bound::Lower, Bound::Upper].map(|bound| CortexM7::new(bound, None).price(&section(code)))
     }
 
     #[test]

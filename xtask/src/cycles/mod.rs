@@ -2,9 +2,10 @@
 //!
 //! A plugin of the emulator records every executed instruction and every data address ([`trace`]).
 //! Two models of cores price the records: [`m4`] with the STM32F405's memories ([`flash`]), and
-//! [`m7`] roughly. Each gives two bounds, because timings are documented as ranges and because a
-//! trace holds neither operands nor the state of a pipeline. Nothing here has been compared with
-//! this project's own code on silicon.
+//! [`m7`] roughly. The images are those of the STM32F405: no emulator models an STM32H743. Each
+//! gives two bounds, because timings are documented as ranges and because a trace holds neither
+//! operands nor the state of a pipeline. Nothing here has been compared with this project's own
+//! code on silicon.
 
 mod bound;
 mod decode;
@@ -12,6 +13,7 @@ mod flash;
 mod golden;
 mod m4;
 mod m7;
+mod m7_caches;
 mod maxima;
 mod placement;
 mod record;

@@ -4,6 +4,7 @@ use super::bound::Bound;
 use super::flash::Memory;
 use super::m4::CortexM4;
 use super::m7::CortexM7;
+use super::m7_caches::Caches;
 use super::trace::Section;
 use controller::clock::PLL_HZ;
 use std::ops::Range;
@@ -17,27 +18,31 @@ pub(super) enum Placement {
     WeightsInRam,
     /// The same without any wait state: the limit of every placement.
     NoWaitStates,
-    /// STM32H743 at 480 MHz: code in the instruction TCM, data in the data TCM. There is no port.
+    /// STM32H743 at 480 MHz as built: code, constants and weights in flash, stack and state in the
+    /// data TCM.
+    Cached,
+    /// The same with code and constants in the instruction TCM: the limit of every placement.
     TightlyCoupled,
 }
 
 impl Placement {
-    pub(super) const ALL: [Self; 4] =
-        [Self::WeightsInFlash, Self::WeightsInRam, Self::NoWaitStates, Self::TightlyCoupled];
+    pub(super) const ALL: [Self; 5] =
+        [Self::WeightsInFlash, Self::WeightsInRam, Self::NoWaitStates, Self::Cached, Self::TightlyCoupled];
 
     pub(super) const fn name(self) -> &'static str {
         match self {
             Self::WeightsInFlash => "weights in flash, as shipped",
             Self::WeightsInRam => "weights in RAM",
             Self::NoWaitStates => "no wait states",
-            Self::TightlyCoupled => "tightly coupled memories, no port yet",
+            Self::Cached => "flash with empty caches, as built",
+            Self::TightlyCoupled => "tightly coupled memories",
         }
     }
 
     /// Returns the board, its core and its frequency.
     pub(super) const fn board(self) -> (&'static str, &'static str, u32) {
         match self {
-            Self::TightlyCoupled => ("stm32h743", "Cortex-M7", 480_000_000),
+            Self::Cached | Self::TightlyCoupled => ("stm32h743", "Cortex-M7", 480_000_000),
             _ => ("stm32f405", "Cortex-M4", PLL_HZ),
         }
     }
@@ -52,7 +57,8 @@ impl Placement {
             Self::WeightsInFlash => Pricer::M4(CortexM4::new(bound, memory(WAIT_STATES, true))),
             Self::WeightsInRam => Pricer::M4(CortexM4::new(bound, memory(WAIT_STATES, false))),
             Self::NoWaitStates => Pricer::M4(CortexM4::new(bound, memory(0, false))),
-            Self::TightlyCoupled => Pricer::M7(CortexM7::new(bound)),
+            Self::Cached => Pricer::M7(CortexM7::new(bound, Some(Caches::new(bound)))),
+            Self::TightlyCoupled => Pricer::M7(CortexM7::new(bound, None)),
         }
     }
 }

@@ -12,11 +12,12 @@ mod image;
 mod paint;
 pub(crate) mod thumb;
 
-use crate::firmware::DEFAULT;
+use crate::firmware::{DEFAULT, Firmware};
 use crate::run::ChoreError;
 use image::Functions;
 use serde::Serialize;
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 
 /// Bytes that the core pushes for an exception, with FPU registers and alignment.
 const EXCEPTION_FRAME: u32 = 26 * 4 + 4;
@@ -31,8 +32,8 @@ const MAX_STACK: u32 = 64 * 1024;
 pub(crate) struct Stack {
     /// Upper bound of the stack, bytes.
     pub(crate) stack_bound_bytes: u32,
-    /// Stack used in the emulator, bytes.
-    pub(crate) stack_painted_bytes: u32,
+    /// Stack used in the emulator, bytes; `None` for a board that it does not model.
+    pub(crate) stack_painted_bytes: Option<u32>,
     /// Bytes reserved for the stack.
     pub(crate) stack_reserved_bytes: u32,
     /// Upper bound of the fault handler's stack, bytes.
@@ -51,15 +52,16 @@ struct Chain {
     functions: Vec<(String, u32)>,
 }
 
-/// Builds, analyses and runs the default board's image, and refuses figures beyond their limits.
-pub(crate) fn measure() -> Result<Stack, ChoreError> {
-    let stack = figures()?;
+/// Builds and analyses a board's image, runs that of the default board, and refuses figures beyond
+/// their limits. Returns the analysed image with the figures.
+pub(crate) fn measure(board: Firmware) -> Result<(PathBuf, Stack), ChoreError> {
+    let (image, stack) = figures(board)?;
     stack.check()?;
-    Ok(stack)
+    Ok((image, stack))
 }
 
-fn figures() -> Result<Stack, ChoreError> {
-    let path = DEFAULT.build_with_stack_sizes()?;
+fn figures(board: Firmware) -> Result<(PathBuf, Stack), ChoreError> {
+    let path = board.build_with_stack_sizes()?;
     let functions = Functions::read(&path)?;
     let wrong = |found: String| ChoreError::File {
         file: path.clone(),
@@ -67,8 +69,10 @@ fn figures() -> Result<Stack, ChoreError> {
         expected: "an image whose stack has a bound",
     };
     let mut stack = bound(&functions).map_err(wrong)?;
-    stack.stack_painted_bytes = paint::run(&DEFAULT.build()?)?;
-    Ok(stack)
+    if board == DEFAULT {
+        stack.stack_painted_bytes = Some(paint::run(&board.build()?)?);
+    }
+    Ok((path, stack))
 }
 
 impl Stack {
@@ -84,9 +88,11 @@ impl Stack {
                 self.emergency_bound_bytes,
                 self.emergency_bytes,
             ),
-            ("the stack used in the emulator, bytes", self.stack_painted_bytes, self.stack_bound_bytes),
         ];
-        for (what, found, most) in limits {
+        let painted = self.stack_painted_bytes;
+        let used =
+            painted.map(|bytes| ("the stack used in the emulator, bytes", bytes, self.stack_bound_bytes));
+        for (what, found, most) in limits.into_iter().chain(used) {
             if found == 0 || found > most {
                 return Err(ChoreError::Differs {
                     what: what.into(),
@@ -99,9 +105,14 @@ impl Stack {
     }
 }
 
+/// Returns the stack used in the emulator as the end of a sentence.
+pub(crate) fn seen(painted_bytes: Option<u32>) -> String {
+    painted_bytes.map_or_else(String::new, |bytes| format!(", {bytes} seen in the emulator"))
+}
+
 /// Prints the figures.
-pub(crate) fn stack(json: bool) -> Result<(), ChoreError> {
-    let stack = figures()?;
+pub(crate) fn stack(board: Firmware, json: bool) -> Result<(), ChoreError> {
+    let (_, stack) = figures(board)?;
     if json {
         println!("{}", serde_json::json!(stack));
         return stack.check();
@@ -113,11 +124,10 @@ pub(crate) fn stack(json: bool) -> Result<(), ChoreError> {
         }
     }
     println!(
-        "bound {} bytes of {} reserved, {} used in the emulator; \
-         fault handler {} bytes of its separate stack",
+        "bound {} bytes of {} reserved{}; fault handler {} bytes of its separate stack",
         stack.stack_bound_bytes,
         stack.stack_reserved_bytes,
-        stack.stack_painted_bytes,
+        seen(stack.stack_painted_bytes),
         stack.emergency_bound_bytes
     );
     stack.check()
@@ -145,7 +155,7 @@ fn bound(functions: &Functions) -> Result<Stack, String> {
     let frames = EXCEPTION_FRAME * chains.len() as u32;
     Ok(Stack {
         stack_bound_bytes: chains.iter().map(|chain| chain.bytes).sum::<u32>() + frames,
-        stack_painted_bytes: 0,
+        stack_painted_bytes: None,
         stack_reserved_bytes: functions.reserved,
         emergency_bound_bytes,
         emergency_bytes: functions.emergency,

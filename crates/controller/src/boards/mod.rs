@@ -10,11 +10,11 @@ mod signals;
 mod table;
 
 pub use memory_map::{MemoryMap, Region};
-pub use signals::{Port, SIGNALS, Signal};
+pub use signals::{Port, Signal, Signals};
 /// Baud rate of the link's serial port, on every board and on the host.
 pub const LINK_BAUD: u32 = 500_000;
 
-pub use table::{BOARDS, Board, Light, Microcontroller, UnknownBoard, find, parse};
+pub use table::{BOARDS, Board, ExternalClock, Light, Microcontroller, UnknownBoard, find, parse};
 
 #[cfg(test)]
 mod tests;

@@ -1,10 +1,11 @@
 //! Boards and their microcontrollers.
 //!
 //! Sources: Adafruit product 4382, Olimex STM32-H405 user's manual, Netduino Plus 2 schematic,
-//! RM0090 table 5 (flash sectors of the STM32F405), Arm DAI 0505 (memories of the AN505).
+//! RM0090 table 5 (flash sectors of the STM32F405), RM0433 sections 2.4 and 4.3 (memories and flash
+//! sectors of the STM32H743), UM2407 (Nucleo-144), Arm DAI 0505 (memories of the AN505).
 
 use super::memory_map::MemoryMap;
-use super::signals::{Port, SIGNALS};
+use super::signals::{self, Port, Signals};
 
 /// Properties that all boards with one microcontroller share.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,6 +25,8 @@ pub struct Microcontroller {
     pub probe_name: Option<&'static str>,
     /// Interrupts that the firmware's board file declares itself; a device crate declares its own.
     pub declared_interrupts: &'static [&'static str],
+    /// Pins of the signals; `None` if it exists in the emulator only.
+    pub signals: Option<&'static Signals>,
 }
 
 impl Microcontroller {
@@ -53,6 +56,31 @@ pub struct Light {
     pub is_active_low: bool,
 }
 
+/// Source of the clock outside the microcontroller.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ExternalClock {
+    /// Crystal at the microcontroller's oscillator.
+    Crystal {
+        /// Frequency, MHz.
+        mhz: u8,
+    },
+    /// Clock signal that bypasses the oscillator.
+    Signal {
+        /// Frequency, MHz.
+        mhz: u8,
+    },
+}
+
+impl ExternalClock {
+    /// Frequency, MHz.
+    #[must_use]
+    pub const fn mhz(self) -> u8 {
+        match self {
+            Self::Crystal { mhz } | Self::Signal { mhz } => mhz,
+        }
+    }
+}
+
 /// A board that an image can be built for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Board {
@@ -62,14 +90,17 @@ pub struct Board {
     pub title: &'static str,
     /// Microcontroller.
     pub microcontroller: &'static Microcontroller,
-    /// Frequency of the crystal, MHz; `None` if it is unknown or absent.
-    pub crystal_mhz: Option<u8>,
+    /// Clock from outside; `None` if it is unknown or absent.
+    pub external_clock: Option<ExternalClock>,
     /// Indicator light; `None` if there is none to use.
     pub light: Option<Light>,
-    /// Header labels of the [`SIGNALS`], in their order; `None` for an image that serves several
-    /// boards.
-    pub labels: Option<[&'static str; SIGNALS.len()]>,
+    /// Header labels of [`Microcontroller::signals`], in their order; `None` for an image that
+    /// serves several boards.
+    pub labels: Option<[&'static str; SIGNAL_COUNT]>,
 }
+
+/// Number of signals.
+const SIGNAL_COUNT: usize = size_of::<Signals>() / size_of::<super::Signal>();
 
 /// STM32F405: Cortex-M4F.
 static STM32F405: Microcontroller = Microcontroller {
@@ -91,6 +122,53 @@ static STM32F405: Microcontroller = Microcontroller {
     handler_cycles: Some(50_000),
     probe_name: Some("STM32F405RGTx"),
     declared_interrupts: &[],
+    signals: Some(&signals::STM32F405),
+};
+
+/// STM32H743: Cortex-M7.
+static STM32H743: Microcontroller = Microcontroller {
+    feature: "stm32h743",
+    target: "thumbv7em-none-eabihf",
+    // FLASH is bank 1; bank 2 holds what is written at run time. Stack and statics are in the data
+    // TCM, which has no wait states. DMA1 cannot reach it: its buffer is in SRAM1 of domain D2.
+    memory_map: MemoryMap {
+        path: "crates/controller/src/boards/table.rs",
+        text: "
+MEMORY
+{
+  FLASH : ORIGIN = 0x08000000, LENGTH = 1024K
+  STACK : ORIGIN = 0x20000000, LENGTH = 48K
+  RAM   : ORIGIN = 0x2000C000, LENGTH = 80K
+  DMA   : ORIGIN = 0x30000000, LENGTH = 128K
+}
+_stack_end = ORIGIN(STACK);
+_stack_start = ORIGIN(STACK) + LENGTH(STACK);
+_dma_start = ORIGIN(DMA);
+SECTIONS
+{
+  .dma (NOLOAD) : { *(.dma .dma.*) } > DMA
+}
+INSERT AFTER .uninit;
+/* The interrupt of the link's serial port has the same name on every board. */
+USART3 = SERIAL;
+",
+    },
+    flash_sectors: &[
+        0x0800_0000,
+        0x0802_0000,
+        0x0804_0000,
+        0x0806_0000,
+        0x0808_0000,
+        0x080A_0000,
+        0x080C_0000,
+        0x080E_0000,
+    ],
+    // Above the longest tick with empty caches by a quarter or more, as for the STM32F405. A tick
+    // from tightly coupled memory would take a third. Not measured on a board.
+    handler_cycles: Some(110_000),
+    probe_name: Some("STM32H743ZITx"),
+    declared_interrupts: &[],
+    signals: Some(&signals::STM32H743),
 };
 
 /// Arm MPS2+ with image AN505: Cortex-M33.
@@ -116,15 +194,16 @@ _stack_start = ORIGIN(STACK) + LENGTH(STACK);
     handler_cycles: None,
     probe_name: None,
     declared_interrupts: &["SERIAL"],
+    signals: None,
 };
 
 /// Every board. The first one of a microcontroller is the default for its feature.
-pub static BOARDS: [Board; 5] = [
+pub static BOARDS: [Board; 6] = [
     Board {
         name: "stm32f405",
         title: "any board with an STM32F405",
         microcontroller: &STM32F405,
-        crystal_mhz: None,
+        external_clock: None,
         light: None,
         labels: None,
     },
@@ -132,7 +211,7 @@ pub static BOARDS: [Board; 5] = [
         name: "feather-stm32f405",
         title: "Adafruit Feather STM32F405",
         microcontroller: &STM32F405,
-        crystal_mhz: Some(12),
+        external_clock: Some(ExternalClock::Crystal { mhz: 12 }),
         light: Some(Light { port: Port::C, pin: 1, is_active_low: false }),
         labels: Some(["D6", "D5", "SCK", "MISO", "MOSI", "D10", "D9"]),
     },
@@ -140,7 +219,7 @@ pub static BOARDS: [Board; 5] = [
         name: "olimex-stm32-h405",
         title: "Olimex STM32-H405",
         microcontroller: &STM32F405,
-        crystal_mhz: Some(8),
+        external_clock: Some(ExternalClock::Crystal { mhz: 8 }),
         light: Some(Light { port: Port::C, pin: 12, is_active_low: true }),
         labels: Some(["PC6", "PC7", "PB13", "PB14", "PB15", "PB9", "PB8"]),
     },
@@ -148,15 +227,23 @@ pub static BOARDS: [Board; 5] = [
         name: "netduino-plus-2",
         title: "Netduino Plus 2",
         microcontroller: &STM32F405,
-        crystal_mhz: Some(25),
+        external_clock: Some(ExternalClock::Crystal { mhz: 25 }),
         light: Some(Light { port: Port::A, pin: 10, is_active_low: false }),
         labels: Some(["D1", "D0", "D13", "D12", "D11", "D6", "D5"]),
+    },
+    Board {
+        name: "nucleo-h743zi2",
+        title: "ST NUCLEO-H743ZI2",
+        microcontroller: &STM32H743,
+        external_clock: Some(ExternalClock::Signal { mhz: 8 }),
+        light: Some(Light { port: Port::B, pin: 0, is_active_low: false }),
+        labels: Some(["ST-LINK", "ST-LINK", "D13", "D12", "D11", "D10", "D9"]),
     },
     Board {
         name: "mps2-an505",
         title: "Arm MPS2+ with image AN505",
         microcontroller: &MPS2_AN505,
-        crystal_mhz: None,
+        external_clock: None,
         light: None,
         labels: None,
     },

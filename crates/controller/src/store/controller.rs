@@ -2,12 +2,12 @@
 //!
 //! A timeout is a number of polls. Every outcome has a name. The trait [`FlashPort`]
 //! separates the registers, so that the host tests the sequence. Order and keys: RM0090 section 3.6
-//! (embedded flash memory interface, program and erase operations).
+//! (embedded flash memory interface, program and erase operations), RM0433 section 4.3.
 
 use embedded_storage::nor_flash::{NorFlashError, NorFlashErrorKind};
 
-/// Polls before an erase operation times out: about 6 s at 168 MHz and 10 cycles per poll. A sector
-/// of 128 KiB takes at most 2 s.
+/// Polls before an erase operation times out: about 6 s at 168 MHz and 10 cycles per poll, and more
+/// than 2 s at 480 MHz. A sector of 128 KiB takes at most 2 s.
 const ERASE_POLLS: u32 = 100_000_000;
 /// Polls before a word times out: about 6 ms. A word takes at most 100 us.
 const PROGRAM_POLLS: u32 = 100_000;
@@ -23,6 +23,10 @@ pub struct Status {
 
 /// Registers of the flash controller.
 pub trait FlashPort {
+    /// Length of a flash word, which is programmed in one operation, bytes: 4, or 32 on the
+    /// STM32H743.
+    const WORD_LENGTH: usize;
+
     /// Reads the status.
     fn status(&self) -> Status;
     /// Clears the error bits.
@@ -35,7 +39,7 @@ pub trait FlashPort {
     fn start_erase(&mut self, sector: u8);
     /// Enables or disables programming.
     fn programming(&mut self, on: bool);
-    /// Stores a word.
+    /// Stores 4 bytes. The last ones of a flash word start its programming.
     fn store(&mut self, address: u32, word: u32);
     /// Invalidates the caches of the flash.
     fn flush(&mut self);
@@ -48,6 +52,8 @@ pub enum FlashError {
     NotAligned,
     /// Outside the memory.
     OutOfBounds,
+    /// A word cannot be read: its programming was interrupted, or it has lost bits.
+    Unreadable,
     /// The controller refused the keys and accepts none until the next reset.
     Locked,
     /// The operation timed out.
@@ -81,22 +87,23 @@ pub fn erase(port: &mut impl FlashPort, sector: u8) -> Result<(), FlashError> {
     })
 }
 
-/// Programs bytes word by word at an address divisible by 4.
+/// Programs bytes word by word at an address divisible by the length of a word.
 ///
 /// # Errors
 ///
 /// As [`erase`]; bytes that are not complete words.
-pub fn program(port: &mut impl FlashPort, address: u32, bytes: &[u8]) -> Result<(), FlashError> {
-    let (words, []) = bytes.as_chunks::<4>() else { return Err(FlashError::NotAligned) };
-    if !address.is_multiple_of(4) {
+pub fn program<P: FlashPort>(port: &mut P, address: u32, bytes: &[u8]) -> Result<(), FlashError> {
+    if !(address as usize | bytes.len()).is_multiple_of(P::WORD_LENGTH) {
         return Err(FlashError::NotAligned);
     }
     unlocked(port, |port| {
         port.programming(true);
         let mut address = address;
-        let done = words.iter().try_for_each(|word| {
-            port.store(address, u32::from_le_bytes(*word));
-            address = address.wrapping_add(4);
+        let done = bytes.chunks_exact(P::WORD_LENGTH).try_for_each(|word| {
+            for part in word.as_chunks::<4>().0 {
+                port.store(address, u32::from_le_bytes(*part));
+                address = address.wrapping_add(4);
+            }
             finished(port, PROGRAM_POLLS)
         });
         port.programming(false);
@@ -168,6 +175,8 @@ mod tests {
     }
 
     impl FlashPort for Fake {
+        const WORD_LENGTH: usize = 4;
+
         fn status(&self) -> Status {
             let left = self.busy.get();
             self.busy.set(left.saturating_sub(1));

@@ -5,7 +5,8 @@
 //! When a half is full, the other one is erased, the other values are copied there, and the new
 //! record follows. If that is interrupted, the new half lacks a value that the old half has; then
 //! the old half is read, which is unchanged. So of each value the old or the new one is read, never
-//! a mixture. A value that did not change is not written again.
+//! a mixture. A value that did not change is not written again. Each flash word is programmed once
+//! between two erasures, in one write with the rest of its record.
 //!
 //! | bytes | content |
 //! |---|---|
@@ -181,8 +182,8 @@ impl<M: NorFlash> Keeper<M> {
         let end = if is_second { half.saturating_mul(2) } else { half };
         let mut candidate = newest.offset.saturating_add(RECORD as u32);
         while candidate.saturating_add(RECORD as u32) <= end {
-            // An interrupted record is skipped.
-            if is_blank(&self.read(candidate)?) {
+            // An interrupted record is skipped, also one that cannot be read.
+            if self.read(candidate).is_some_and(|record| is_blank(&record)) {
                 return Some(candidate);
             }
             candidate = candidate.saturating_add(RECORD as u32);

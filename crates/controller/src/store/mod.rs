@@ -9,7 +9,8 @@
 //!
 //! Nothing here waits or runs in a tick: the link service handles the requests and passes new
 //! networks to the session between two samples. On the STM32F405 the core stalls while its flash is
-//! written; there an update requires that the run is stopped ([`UpdateRefusal::Estimating`]).
+//! written, and on the STM32H743 the interrupts wait; there an update requires that the run is
+//! stopped ([`UpdateRefusal::Estimating`]).
 //!
 //! A package must be newer than every one that was ever installed, unless it is signed with
 //! permission to be older, and its key must not have been revoked ([`Trust`]). A package with this

@@ -43,8 +43,9 @@ impl<M: SlotMemory> Store<M> {
         }
         self.reception = None;
         self.note(slot, SlotState::Unfinished);
-        // A complete package cannot be resumed: its mark cannot be programmed twice.
-        let is_begun = slot.marked(&mut self.memory).is_none();
+        // A complete package cannot be resumed: its mark cannot be programmed twice. Nor can any if
+        // no word can: the last one may have been interrupted.
+        let is_begun = !M::IS_WRITE_ONCE && slot.marked(&mut self.memory).is_none();
         let next_offset = if is_begun && slot.signed(&mut self.memory) == Some(*signed) {
             slot.written(&mut self.memory, found)
         } else {

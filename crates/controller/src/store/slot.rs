@@ -9,11 +9,13 @@
 //! | 168..172 | the mark | last |
 //! | 256.. | payload | chunk by chunk, in order |
 //!
-//! The payload contains the images by bearing code, then the self-tests by bearing code.
+//! The payload contains the images by bearing code, then the self-tests by bearing code. A flash
+//! word that is not full is padded with ones.
 //!
-//! A slot is valid if the mark follows a number and its complement. Each word is programmed
-//! separately, so after a loss of power the mark is either complete or invalid. The newest slot has
-//! the largest number, not the largest version: a package may be signed to replace a newer one.
+//! A slot is valid if the mark follows a number and its complement. The flash words are programmed
+//! in order, so after a loss of power the mark is either complete or invalid. With words of 32
+//! bytes, all three are in one word. The newest slot has the largest number, not the largest
+//! version: a package may be signed to replace a newer one.
 
 use link::update::{
     CHUNK_LENGTH, FlashOperation, MANIFEST_LENGTH, ModelSource, SIGNATURE_LENGTH, SignedManifest,
@@ -32,6 +34,11 @@ const CHUNK: u32 = CHUNK_LENGTH as u32;
 /// Value of an erased byte.
 const BLANK: u8 = 0xFF;
 const MARK: u32 = 0x5A17_C0DE;
+/// Bytes of number, complement and mark.
+const MARK_LENGTH: usize = 12;
+/// Longest flash word, bytes. Manifest, signature and chunks are multiples of it.
+const MAX_WORD: usize = 32;
+const _: () = assert!(SIGNED.is_multiple_of(MAX_WORD) && CHUNK_LENGTH.is_multiple_of(MAX_WORD));
 
 /// A slot in a slot memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -115,19 +122,40 @@ impl Slot {
         self.program(memory, MANIFEST_LENGTH as u32, signed.signature.as_flattened())
     }
 
-    pub(super) fn write_payload(
+    /// Programs complete flash words of the payload. The last one is padded.
+    pub(super) fn write_payload<M: SlotMemory>(
         self,
-        memory: &mut impl SlotMemory,
+        memory: &mut M,
         offset: u32,
         bytes: &[u8],
     ) -> Result<(), UpdateRefusal> {
-        self.program(memory, PAYLOAD.saturating_add(offset), bytes)
+        let offset = PAYLOAD.saturating_add(offset);
+        let rest = bytes.len() % M::WRITE_SIZE;
+        let (complete, rest) = bytes.split_at_checked(bytes.len().saturating_sub(rest)).unwrap_or_default();
+        if !complete.is_empty() {
+            self.program(memory, offset, complete)?;
+        }
+        if rest.is_empty() {
+            return Ok(());
+        }
+        let mut word = [BLANK; MAX_WORD];
+        for (to, from) in word.iter_mut().zip(rest) {
+            *to = *from;
+        }
+        let offset = offset.saturating_add(u32::try_from(complete.len()).unwrap_or(u32::MAX));
+        self.program(memory, offset, word.get(..M::WRITE_SIZE).unwrap_or_default())
     }
 
-    /// Makes the slot valid.
-    pub(super) fn mark(self, memory: &mut impl SlotMemory, number: u32) -> Result<(), UpdateRefusal> {
-        for (offset, word) in (SIGNED as u32..PAYLOAD).step_by(4).zip([number, !number, MARK]) {
-            self.program(memory, offset, &word.to_le_bytes())?;
+    /// Makes the slot valid, flash word by flash word.
+    pub(super) fn mark<M: SlotMemory>(self, memory: &mut M, number: u32) -> Result<(), UpdateRefusal> {
+        let mut bytes = [BLANK; MAX_WORD];
+        for (to, from) in bytes.iter_mut().zip([number, !number, MARK].map(u32::to_le_bytes).as_flattened()) {
+            *to = *from;
+        }
+        let length = MARK_LENGTH.div_ceil(M::WRITE_SIZE).saturating_mul(M::WRITE_SIZE);
+        let words = bytes.get(..length).unwrap_or_default().chunks(M::WRITE_SIZE);
+        for (offset, word) in (SIGNED as u32..PAYLOAD).step_by(M::WRITE_SIZE).zip(words) {
+            self.program(memory, offset, word)?;
         }
         Ok(())
     }

@@ -1,37 +1,64 @@
 //! Reason of the start from the reset flags and the fault record, and the content of a fault
 //! record.
 //!
-//! Flags: RM0090 section 7.3.21, RCC_CSR. Power-on also sets the pin's and the brown-out flag, and
-//! every internal reset pulls the pin. So the most specific flag is taken. The emulator models none
-//! of them.
+//! Flags: RM0090 section 7.3.21, RCC_CSR; RM0433 section 8.4.4, RCC_RSR. Power-on also sets the
+//! pin's and the brown-out flag, and every internal reset pulls the pin. So the most specific flag
+//! is taken. The emulator models none of them.
 
 use link::start::{FaultKind, FaultRecord, ResetReason, StartReport};
 
-/// Bits of RCC_CSR of the STM32F405.
-const LOW_POWER: u32 = 1 << 31;
-const WINDOW_WATCHDOG: u32 = 1 << 30;
-const WATCHDOG: u32 = 1 << 29;
-const SOFTWARE: u32 = 1 << 28;
-const POWER_ON: u32 = 1 << 27;
-const PIN: u32 = 1 << 26;
-const BROWN_OUT: u32 = 1 << 25;
+/// Masks of the reset flags in a microcontroller's register.
+#[derive(Clone, Copy, Debug)]
+pub struct ResetFlags {
+    low_power: u32,
+    window_watchdog: u32,
+    watchdog: u32,
+    software: u32,
+    power_on: u32,
+    pin: u32,
+    brown_out: u32,
+}
 
-/// Returns the reset reason from RCC_CSR.
+impl ResetFlags {
+    /// RCC_CSR of the STM32F405.
+    pub const STM32F405: Self = Self {
+        low_power: 1 << 31,
+        window_watchdog: 1 << 30,
+        watchdog: 1 << 29,
+        software: 1 << 28,
+        power_on: 1 << 27,
+        pin: 1 << 26,
+        brown_out: 1 << 25,
+    };
+
+    /// RCC_RSR of the STM32H743.
+    pub const STM32H743: Self = Self {
+        low_power: 1 << 30,
+        window_watchdog: 1 << 28,
+        watchdog: 1 << 26,
+        software: 1 << 24,
+        power_on: 1 << 23,
+        pin: 1 << 22,
+        brown_out: 1 << 21,
+    };
+}
+
+/// Returns the reset reason from the register's value.
 #[must_use]
-pub const fn reason_of_flags(csr: u32) -> ResetReason {
-    if csr & POWER_ON != 0 {
+pub const fn reason_of_flags(flags: &ResetFlags, value: u32) -> ResetReason {
+    if value & flags.power_on != 0 {
         ResetReason::PowerOn
-    } else if csr & LOW_POWER != 0 {
+    } else if value & flags.low_power != 0 {
         ResetReason::LowPower
-    } else if csr & WINDOW_WATCHDOG != 0 {
+    } else if value & flags.window_watchdog != 0 {
         ResetReason::WindowWatchdog
-    } else if csr & WATCHDOG != 0 {
+    } else if value & flags.watchdog != 0 {
         ResetReason::Watchdog
-    } else if csr & SOFTWARE != 0 {
+    } else if value & flags.software != 0 {
         ResetReason::Software
-    } else if csr & BROWN_OUT != 0 {
+    } else if value & flags.brown_out != 0 {
         ResetReason::BrownOut
-    } else if csr & PIN != 0 {
+    } else if value & flags.pin != 0 {
         ResetReason::Pin
     } else {
         ResetReason::Unknown
@@ -182,19 +209,25 @@ mod tests {
 
     #[test]
     fn the_most_specific_flag_is_the_reason() {
-        let cases = [
-            (0, ResetReason::Unknown),
-            (POWER_ON | PIN | BROWN_OUT, ResetReason::PowerOn),
-            (BROWN_OUT | PIN, ResetReason::BrownOut),
-            (PIN, ResetReason::Pin),
-            (PIN | SOFTWARE, ResetReason::Software),
-            (PIN | WATCHDOG, ResetReason::Watchdog),
-            (PIN | WINDOW_WATCHDOG, ResetReason::WindowWatchdog),
-            (PIN | LOW_POWER, ResetReason::LowPower),
-        ];
-        for (csr, reason) in cases {
-            assert_eq!(reason_of_flags(csr), reason, "{csr:#x}");
+        for flags in [ResetFlags::STM32F405, ResetFlags::STM32H743] {
+            let pin = flags.pin;
+            let cases = [
+                (0, ResetReason::Unknown),
+                (flags.power_on | pin | flags.brown_out, ResetReason::PowerOn),
+                (flags.brown_out | pin, ResetReason::BrownOut),
+                (pin, ResetReason::Pin),
+                (pin | flags.software, ResetReason::Software),
+                (pin | flags.watchdog, ResetReason::Watchdog),
+                (pin | flags.window_watchdog, ResetReason::WindowWatchdog),
+                (pin | flags.low_power, ResetReason::LowPower),
+            ];
+            for (value, reason) in cases {
+                assert_eq!(reason_of_flags(&flags, value), reason, "{value:#x}");
+            }
         }
+        // Flags of CPU and power domains (RM0433 table 51) give no reason.
+        assert_eq!(reason_of_flags(&ResetFlags::STM32H743, 0x001A_0000), ResetReason::Unknown);
+        assert_eq!(reason_of_flags(&ResetFlags::STM32H743, 0x00FA_0000), ResetReason::PowerOn);
     }
 
     #[test]

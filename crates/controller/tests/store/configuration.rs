@@ -6,7 +6,9 @@ use controller::store::Keeper;
 use controller::store::keeper::{KeepError, Kind, MAX_VALUE_LENGTH, RECORD};
 
 /// Two halves of three records each: every third write erases.
-type Places = Flash<{ 6 * RECORD }>;
+type Places = PlacesOf<4>;
+/// The same with flash words of this length, bytes.
+type PlacesOf<const WORD: usize> = Flash<{ 6 * RECORD }, WORD>;
 /// A value whose parts must belong together.
 type Value = [u64; 16];
 
@@ -14,7 +16,7 @@ fn value(number: u64) -> Value {
     std::array::from_fn(|part| number.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ part as u64)
 }
 
-fn read(flash: Places) -> (Keeper<Places>, Option<Value>) {
+fn read<const WORD: usize>(flash: PlacesOf<WORD>) -> (Keeper<PlacesOf<WORD>>, Option<Value>) {
     let mut keeper = Keeper::start(flash);
     let value = keeper.value(Kind::Configuration, 1);
     (keeper, value)
@@ -22,8 +24,8 @@ fn read(flash: Places) -> (Keeper<Places>, Option<Value>) {
 
 #[test]
 fn a_blank_or_foreign_memory_contains_no_value() {
-    assert_eq!(read(Flash::new()).1, None);
-    let mut foreign = Flash::new();
+    assert_eq!(read(Places::new()).1, None);
+    let mut foreign = Places::new();
     for (at, byte) in foreign.bytes.iter_mut().enumerate() {
         *byte = (at * 7 % 251) as u8;
     }
@@ -35,7 +37,12 @@ fn a_blank_or_foreign_memory_contains_no_value() {
 
 #[test]
 fn power_lost_at_any_step_leaves_the_old_value_or_the_new_one() {
-    let mut flash: Places = Flash::new();
+    every_cut_of_a_value::<4>();
+    every_cut_of_a_value::<32>();
+}
+
+fn every_cut_of_a_value<const WORD: usize>() {
+    let mut flash: PlacesOf<WORD> = Flash::new();
     for number in 1..12_u64 {
         let (mut keeper, old) = read(flash.clone().restart(None, 1));
         assert_eq!(old, (number > 1).then(|| value(number - 1)));
@@ -69,7 +76,7 @@ fn a_value_of_another_form_is_not_read_and_one_too_long_is_not_saved() {
 
 #[test]
 fn places_are_written_in_turn_and_each_word_once_between_erasures() {
-    let (mut keeper, _) = read(Flash::new());
+    let (mut keeper, _) = read(PlacesOf::<32>::new());
     for number in 1..40 {
         keeper.keep(Kind::Configuration, 1, &value(number)).unwrap();
         let (again, found) = read(keeper.into_memory());
@@ -79,7 +86,9 @@ fn places_are_written_in_turn_and_each_word_once_between_erasures() {
 }
 
 /// Returns the value of each kind.
-fn values(flash: Places) -> (Keeper<Places>, [Option<Value>; Kind::ALL.len()]) {
+fn values<const WORD: usize>(
+    flash: PlacesOf<WORD>,
+) -> (Keeper<PlacesOf<WORD>>, [Option<Value>; Kind::ALL.len()]) {
     let mut keeper = Keeper::start(flash);
     let found = Kind::ALL.map(|kind| keeper.value::<Value>(kind, 1));
     (keeper, found)
@@ -87,7 +96,12 @@ fn values(flash: Places) -> (Keeper<Places>, [Option<Value>; Kind::ALL.len()]) {
 
 #[test]
 fn power_lost_at_any_step_mixes_no_values_of_different_kinds() {
-    let mut flash: Places = Flash::new();
+    every_cut_of_different_kinds::<4>();
+    every_cut_of_different_kinds::<32>();
+}
+
+fn every_cut_of_different_kinds<const WORD: usize>() {
+    let mut flash: PlacesOf<WORD> = Flash::new();
     for number in 1..16_u64 {
         let place = [0, 1, 0, 2][number as usize % 4];
         let kind = Kind::ALL[place];

@@ -18,11 +18,20 @@ pub type Sensors = core::convert::Infallible;
 pub(in crate::boards) enum Sectors {}
 
 impl Sectors {
+    /// Length of a word, bytes.
+    pub(in crate::boards) const WORD_LENGTH: usize = 4;
+    /// True if a word must not be programmed twice.
+    pub(in crate::boards) const IS_WRITE_ONCE: bool = false;
+
     pub(in crate::boards) const fn start(&self) -> usize {
         match *self {}
     }
 
     pub(in crate::boards) const fn length(&self) -> usize {
+        match *self {}
+    }
+
+    pub(in crate::boards) const fn is_readable(&self, _start: usize, _length: usize) -> bool {
         match *self {}
     }
 

@@ -4,7 +4,7 @@
 use link::ClockSource;
 use stm32f4xx_hal::pac::{FLASH, RCC};
 
-use controller::clock::{ClockPort, PllInput};
+use controller::clock::{ClockPort, INTERNAL_HZ, PLL_HZ, PllInput};
 
 /// Dividers of the PLL. Its input after the first divider must be 1 to 2 MHz; 2 MHz has the least
 /// jitter. 25 MHz can only be divided to 1 MHz.
@@ -23,6 +23,13 @@ pub(in crate::boards) struct ClockTree<'a> {
 }
 
 impl ClockPort for ClockTree<'_> {
+    const INTERNAL_HZ: u32 = INTERNAL_HZ;
+
+    fn prepare_pll(&mut self) -> Option<u32> {
+        // The voltage after a reset suffices.
+        Some(PLL_HZ)
+    }
+
     fn start_crystal(&mut self) {
         self.rcc.cr().modify(|_, w| w.hseon().set_bit());
     }

@@ -1,32 +1,34 @@
 //! Start-up of the STM32F405: target, reason of the start, clocks, guard, watchdog, link, timers.
 
+pub(super) mod bus;
 mod clock_tree;
-mod light;
+pub(super) mod port;
 mod sectors;
-mod sensors;
 mod serial;
-mod spi;
-mod watchdog;
 
 use link::{ClockSource, Target};
-use stm32f4xx_hal::gpio::{GpioExt, PinState, Speed};
+use stm32f4xx_hal::gpio::{GpioExt, Output, PB8, PB9, PinState, PushPull, Speed};
+pub(super) use stm32f4xx_hal::pac;
 use stm32f4xx_hal::rcc::RccExt;
 
-pub use light::Light;
-pub use sensors::Sensors;
+pub use super::stm32::{Light, Watchdog};
 pub use serial::Receiver;
 pub(super) use serial::{Inbox, Transmitter};
-pub use watchdog::Watchdog;
 
 use super::image::{BOARD, build_id};
 use super::started::{Board, Link};
+use super::stm32::spi::{self, Divider};
+use super::stm32::{self, sampler};
 use super::{Files, Probe, Storage, Timer, fault, guard, timer};
 use clock_tree::ClockTree;
+use controller::boards::ExternalClock;
 use controller::clock::{Clocks, INTERNAL_HZ, bring_up};
 use controller::session::Identity;
-use controller::supervisor::start::reason_of_flags;
+use controller::supervisor::start::{ResetFlags, reason_of_flags};
 pub(super) use sectors::Sectors;
-use spi::Divider;
+
+/// The sensors of this board.
+pub type Sensors = stm32::Sensors<PB9<Output<PushPull>>, PB8<Output<PushPull>>>;
 
 /// The device for the task framework.
 pub mod device {
@@ -57,17 +59,19 @@ pub const PACKAGES_FOR: u16 = model_package::board::STM32F405;
 #[must_use]
 pub fn start(core: cortex_m::Peripherals, device: device::Peripherals) -> Board {
     guard::set(&core.MPU);
-    let start = fault::start_report(reason_of_flags(device.RCC.csr().read().bits()));
+    let start = fault::start_report(reason_of_flags(&ResetFlags::STM32F405, device.RCC.csr().read().bits()));
     // The next start must find its own flags only.
     device.RCC.csr().modify(|_, w| w.rmvf().set_bit());
     // Before anything that could hang.
-    let watchdog = Watchdog::start(device.IWDG, &device.DBGMCU);
+    device.DBGMCU.apb1_fz().modify(|_, w| w.dbg_iwdg_stop().set_bit());
+    let watchdog = Watchdog::start(device.IWDG);
 
     // The device number reads 0x413 on silicon; the emulator models nothing there and gives 0.
     let target = if device.DBGMCU.idcode().read().bits() == 0 { Target::Emulator } else { Target::Silicon };
     let clocks = match target {
         Target::Silicon => {
-            bring_up(&mut ClockTree { rcc: &device.RCC, flash: &device.FLASH }, BOARD.crystal_mhz)
+            let crystal_mhz = BOARD.external_clock.map(ExternalClock::mhz);
+            bring_up(&mut ClockTree { rcc: &device.RCC, flash: &device.FLASH }, crystal_mhz)
         }
         // The emulator ignores the clock registers.
         _ => Clocks { source: ClockSource::Internal, core_hz: controller::emulator::SYSTICK_HZ },
@@ -97,7 +101,7 @@ pub fn start(core: cortex_m::Peripherals, device: device::Peripherals) -> Board 
         (port_b.pb9.into_push_pull_output_in_state(PinState::High), Divider::Four),
         (port_b.pb8.into_push_pull_output_in_state(PinState::High), Divider::Eight),
     );
-    let sensors = sensors::sampler(converter, encoder);
+    let sensors = sampler(converter, encoder);
     // The emulator has no DMA.
     let (receiver, inbox, transmitter) =
         serial::set_up(device.USART6, device.DMA2, bus_hz, target == Target::Silicon);

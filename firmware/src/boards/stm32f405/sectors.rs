@@ -27,6 +27,11 @@ pub(in crate::boards) struct Sectors {
 }
 
 impl Sectors {
+    /// Length of a flash word, bytes.
+    pub(in crate::boards) const WORD_LENGTH: usize = 4;
+    /// True if a word must not be programmed twice.
+    pub(in crate::boards) const IS_WRITE_ONCE: bool = false;
+
     pub(in crate::boards) const CONFIGURATION: Self = Self { first: 8 };
     pub(in crate::boards) const MODELS: Self = Self { first: 10 };
 
@@ -36,6 +41,11 @@ impl Sectors {
 
     pub(in crate::boards) const fn length(&self) -> usize {
         2 * SECTOR_BYTES
+    }
+
+    /// Decides whether every byte can be read: this flash has no error correction that fails.
+    pub(in crate::boards) const fn is_readable(&self, _start: usize, _length: usize) -> bool {
+        true
     }
 
     /// Erases complete sectors.
@@ -67,6 +77,8 @@ fn registers() -> &'static stm32f4xx_hal::pac::flash::RegisterBlock {
 }
 
 impl FlashPort for Port {
+    const WORD_LENGTH: usize = Sectors::WORD_LENGTH;
+
     fn status(&self) -> Status {
         let status = registers().sr().read();
         // OPERR, WRPERR, PGAERR, PGPERR, PGSERR.

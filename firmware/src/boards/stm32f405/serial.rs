@@ -8,18 +8,16 @@
 //! only. The emulator has no DMA; there every byte causes an interrupt.
 
 use controller::boards::LINK_BAUD;
-use core::sync::atomic::{AtomicU8, Ordering};
+use core::sync::atomic::AtomicU8;
 
 use link::LineErrors;
 use stm32f4xx_hal::pac::{DMA2, USART6};
 
 use crate::boards::receive_event::ReceiveEvent;
-use controller::buffers::dma_ring::DmaRing;
+use crate::boards::stm32::{self, LENGTH};
 
 /// Polls for room in the transmitter before a byte is dropped: about 20 byte times at 168 MHz.
 const POLLS: u32 = 20_000;
-/// Length of the buffer, bytes.
-const LENGTH: usize = 1024;
 /// DMA stream and channel of USART6 reception.
 const STREAM: usize = 1;
 const CHANNEL: u8 = 5;
@@ -34,11 +32,10 @@ pub struct Receiver {
 }
 
 /// Receiving half for the link service.
-pub struct Inbox {
-    /// `None` without DMA.
-    stream: Option<DMA2>,
-    ring: DmaRing<LENGTH>,
-}
+pub(in crate::boards) type Inbox = stm32::Inbox<Stream>;
+
+/// DMA stream of reception.
+pub struct Stream(DMA2);
 
 /// Sending half.
 pub struct Transmitter(());
@@ -59,29 +56,46 @@ pub(in crate::boards) fn set_up(
             w.bits(divider)
         }
     });
-    if by_dma {
-        start(&dma);
+    let stream = by_dma.then_some(Stream(dma));
+    if let Some(stream) = &stream {
+        stm32::Stream::start(stream);
         port.cr3().write(|w| w.dmar().set_bit().eie().set_bit());
     }
     port.cr1().write(|w| w.ue().set_bit().te().set_bit().re().set_bit().rxneie().bit(!by_dma));
-    let inbox = Inbox { stream: by_dma.then_some(dma), ring: DmaRing::new() };
-    (Receiver { bytes: !by_dma }, inbox, Transmitter(()))
+    (Receiver { bytes: !by_dma }, Inbox::new(stream, &BUFFER), Transmitter(()))
 }
 
-/// Starts the stream at index 0 of the buffer.
-fn start(dma: &DMA2) {
-    let stream = dma.st(STREAM);
-    dma.lifcr().write(|w| {
-        w.cfeif1().set_bit().cdmeif1().set_bit().cteif1().set_bit().chtif1().set_bit().ctcif1().set_bit()
-    });
-    #[expect(unsafe_code, reason = "addresses of the port's data and of a buffer that is there for good")]
-    unsafe {
-        stream.par().write(|w| w.bits(port().dr().as_ptr() as u32));
-        stream.m0ar().write(|w| w.bits(BUFFER.as_ptr() as u32));
-        stream.ndtr().write(|w| w.ndt().bits(LENGTH as u16));
-        stream.cr().write(|w| w.chsel().bits(CHANNEL).circ().set_bit().minc().set_bit().pl().high());
+impl stm32::Stream for Stream {
+    fn start(&self) {
+        let stream = self.0.st(STREAM);
+        self.0.lifcr().write(|w| {
+            w.cfeif1().set_bit().cdmeif1().set_bit().cteif1().set_bit().chtif1().set_bit().ctcif1().set_bit()
+        });
+        #[expect(unsafe_code, reason = "addresses of the port's data and of a buffer that is there for good")]
+        unsafe {
+            stream.par().write(|w| w.bits(port().dr().as_ptr() as u32));
+            stream.m0ar().write(|w| w.bits(BUFFER.as_ptr() as u32));
+            stream.ndtr().write(|w| w.ndt().bits(LENGTH as u16));
+            stream.cr().write(|w| w.chsel().bits(CHANNEL).circ().set_bit().minc().set_bit().pl().high());
+        }
+        stream.cr().modify(|_, w| w.en().set_bit());
     }
-    stream.cr().modify(|_, w| w.en().set_bit());
+
+    fn is_running(&self) -> bool {
+        self.0.st(STREAM).cr().read().en().bit()
+    }
+
+    fn position(&self) -> usize {
+        LENGTH.saturating_sub(self.0.st(STREAM).ndtr().read().ndt().bits().into()) % LENGTH
+    }
+
+    fn take_wrap(&self) -> bool {
+        let has_wrapped = self.0.lisr().read().tcif1().bit();
+        if has_wrapped {
+            self.0.lifcr().write(|w| w.ctcif1().set_bit());
+        }
+        has_wrapped
+    }
 }
 
 fn port() -> &'static stm32f4xx_hal::pac::usart6::RegisterBlock {
@@ -104,41 +118,6 @@ impl Receiver {
         }
         event.errors = LineErrors { overruns: overrun.into(), framing: framing.into(), noise: noise.into() };
         event
-    }
-}
-
-impl Inbox {
-    /// Takes the next byte that DMA has stored.
-    pub(in crate::boards) fn take(&mut self) -> Option<u8> {
-        let dma = self.stream.as_ref()?;
-        let stream = dma.st(STREAM);
-        if !stream.cr().read().en().bit() {
-            // The stream stops by itself only after a bus error.
-            start(dma);
-        }
-        let position = || LENGTH.saturating_sub(stream.ndtr().read().ndt().bits().into()) % LENGTH;
-        // If the position has not decreased between two readings, no wrap lies between them, so
-        // that the flag belongs to both.
-        let mut has_wrapped = false;
-        let mut before = position();
-        for _ in 0..2 {
-            if dma.lisr().read().tcif1().bit() {
-                dma.lifcr().write(|w| w.ctcif1().set_bit());
-                has_wrapped = true;
-            }
-            let now = position();
-            if now >= before {
-                self.ring.update(now, has_wrapped);
-                break;
-            }
-            before = now;
-        }
-        self.ring.take().and_then(|position| BUFFER.get(position)).map(|byte| byte.load(Ordering::Relaxed))
-    }
-
-    /// Returns the number of bytes that were overwritten before they were taken.
-    pub(in crate::boards) fn lost(&self) -> u32 {
-        self.ring.lost()
     }
 }
 

@@ -3,11 +3,12 @@
 //!
 //! Once started, it cannot be stopped. [`controller::supervisor::Attendance`] detects a missing
 //! party much earlier; the watchdog acts if not even that runs. Its timeout must outlast the
-//! erasure of a flash sector, during which the core stalls (at most 2 s, data sheet table 41). The
-//! oscillator has 17 to 47 kHz: nominal 4 s are 2.7 to 7.7 s. The watchdog pauses while a debugger
-//! has halted the core. The emulator has a dummy: the kicks have no effect.
+//! erasure of a flash sector, during which nothing kicks it (at most 2 s). The oscillator of the
+//! STM32F405 has 17 to 47 kHz: nominal 4 s are 2.7 to 7.7 s. That of the STM32H743 has 32 kHz
+//! within 10 %. A debugger's halt pauses the watchdog. The emulator has a dummy: the kicks have no
+//! effect.
 
-use stm32f4xx_hal::pac::{DBGMCU, IWDG};
+use super::super::microcontroller::pac::IWDG;
 
 /// Prescaler 32: a count is nominally 1 ms.
 const PRESCALER_32: u8 = 3;
@@ -25,15 +26,14 @@ pub struct Watchdog(IWDG);
 
 impl Watchdog {
     /// Starts the watchdog.
-    pub(in crate::boards) fn start(registers: IWDG, debug: &DBGMCU) -> Self {
-        debug.apb1_fz().modify(|_, w| w.dbg_iwdg_stop().set_bit());
+    pub(in crate::boards) fn start(registers: IWDG) -> Self {
         let watchdog = Self(registers);
         watchdog.key(START);
         watchdog.key(ACCESS);
-        #[expect(unsafe_code, reason = "raw fields within their width")]
+        #[expect(unsafe_code, reason = "raw values within the width of their fields")]
         unsafe {
-            watchdog.0.pr().write(|w| w.pr().bits(PRESCALER_32));
-            watchdog.0.rlr().write(|w| w.rl().bits(RELOAD));
+            watchdog.0.pr().write(|w| w.bits(PRESCALER_32.into()));
+            watchdog.0.rlr().write(|w| w.bits(RELOAD.into()));
         }
         // Until then the shorter default of 0.5 s counts. It is no error if this takes longer.
         let _ = (0..POLLS).any(|_| watchdog.0.sr().read().bits() == 0);

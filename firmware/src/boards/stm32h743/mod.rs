@@ -1,0 +1,133 @@
+//! Start-up of the STM32H743: reason of the start, watchdog, guard, caches, clocks, link, timers.
+//!
+//! No emulator models this microcontroller. It has been built, linked and checked for size, stack
+//! and panics only.
+
+pub(super) mod bus;
+mod caches;
+mod clock_tree;
+pub(super) mod port;
+mod sectors;
+mod serial;
+
+use controller::boards::{ExternalClock, Port};
+use controller::clock::bring_up;
+use controller::session::Identity;
+use controller::supervisor::start::{ResetFlags, reason_of_flags};
+use link::Target;
+pub(super) use stm32h7::stm32h743v as pac;
+
+pub use super::stm32::{Light, Watchdog};
+pub(super) use sectors::Sectors;
+pub use serial::Receiver;
+pub(super) use serial::{Inbox, Transmitter};
+
+use super::image::{BOARD, build_id};
+use super::started::{Board, Link};
+use super::stm32::spi::{self, Divider};
+use super::stm32::{self, Pin, sampler};
+use super::{Probe, Storage, Timer, fault, guard, timer};
+use clock_tree::ClockTree;
+
+/// The device for the task framework.
+pub mod device {
+    pub use stm32h7::stm32h743v::{NVIC_PRIO_BITS, Peripherals};
+
+    /// Interrupts in use, named by their purpose. The memory map binds the names to the vector
+    /// table's.
+    #[derive(Clone, Copy, Debug)]
+    #[repr(u16)]
+    pub enum Interrupt {
+        /// USART3 has received a byte with an error.
+        SERIAL = stm32h7::stm32h743v::Interrupt::USART3 as u16,
+    }
+    pub use Interrupt as interrupt;
+
+    #[expect(unsafe_code, reason = "every value is the number of one interrupt")]
+    unsafe impl cortex_m::interrupt::InterruptNumber for Interrupt {
+        fn number(self) -> u16 {
+            self as u16
+        }
+    }
+}
+
+/// Board code of model packages.
+pub const PACKAGES_FOR: u16 = model_package::board::STM32H743;
+
+/// The sensors of this board.
+pub type Sensors = stm32::Sensors<Pin, Pin>;
+
+/// Revision V in DBGMCU_IDC.
+const REVISION_V: u16 = 0x2003;
+
+/// Starts the board. Every wait has a timeout.
+#[must_use]
+pub fn start(mut core: cortex_m::Peripherals, device: device::Peripherals) -> Board {
+    caches::exclude_dma(&core.MPU);
+    guard::set(&core.MPU);
+    let start = fault::start_report(reason_of_flags(&ResetFlags::STM32H743, device.RCC.rsr().read().bits()));
+    // The next start must find its own flags only.
+    device.RCC.rsr().modify(|_, w| w.rmvf().set_bit());
+    // Before anything that could hang.
+    device.DBGMCU.apb4fz1().modify(|_, w| w.dbg_iwdg1().set_bit());
+    let watchdog = Watchdog::start(device.IWDG);
+    caches::start(&mut core);
+
+    let clocks = bring_up(
+        &mut ClockTree {
+            rcc: &device.RCC,
+            flash: &device.FLASH,
+            power: &device.PWR,
+            system: &device.SYSCFG,
+            allows_scale_0: device.DBGMCU.idc().read().rev_id().bits() == REVISION_V,
+            is_signal: matches!(BOARD.external_clock, Some(ExternalClock::Signal { .. })),
+            pll_hz: 0,
+        },
+        BOARD.external_clock.map(ExternalClock::mhz),
+    );
+
+    // Both peripherals run on the internal oscillator; that of the SPI is the default of `per_ck`.
+    device.RCC.d2ccip1r().modify(|_, w| w.spi123sel().per());
+    device.RCC.d2ccip2r().modify(|_, w| w.usart234578sel().hsi_ker());
+    device.RCC.ahb1enr().modify(|_, w| w.dma1en().set_bit());
+    device.RCC.ahb2enr().modify(|_, w| w.sram1en().set_bit());
+    device.RCC.apb1lenr().modify(|_, w| w.usart3en().set_bit());
+    device.RCC.apb2enr().modify(|_, w| w.spi1en().set_bit());
+    // A clock runs two of its cycles after the write.
+    let _ = device.RCC.apb2enr().read().bits();
+
+    for (port, pin, function) in
+        [(Port::D, 8, 7), (Port::D, 9, 7), (Port::A, 5, 5), (Port::A, 6, 5), (Port::B, 5, 5)]
+    {
+        Pin::connect(port, pin, function);
+    }
+    let light = Light::start(BOARD.light);
+    let (converter, encoder) = spi::split(
+        device.SPI1,
+        (Pin::output(Port::D, 14, true), Divider::Four),
+        (Pin::output(Port::D, 15, true), Divider::Eight),
+    );
+    let sensors = sampler(converter, encoder);
+    let (receiver, inbox, transmitter) = serial::set_up(device.USART3, device.DMA1, &device.DMAMUX1);
+
+    // This core locks the registers of its cycle counter.
+    core.DCB.enable_trace();
+    cortex_m::peripheral::DWT::unlock();
+    let target = Target::Silicon;
+    let (timer, pacer) = Timer::start(core.SYST, core.DCB, core.DWT, clocks.core_hz, target, true);
+    let identity = Identity { build_id: build_id(), target, clock: clocks.source, core_hz: clocks.core_hz };
+    Board {
+        identity,
+        start,
+        link: Link::Serial(transmitter, Probe::new()),
+        receiver,
+        inbox,
+        timer,
+        pacer,
+        watchdog,
+        light,
+        attendance: timer::attendance(true),
+        storage: Storage::new(Some([Sectors::MODELS, Sectors::CONFIGURATION])),
+        sensors,
+    }
+}
