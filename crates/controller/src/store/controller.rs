@@ -147,8 +147,9 @@ mod tests {
     use super::*;
     use core::cell::Cell;
 
-    /// A controller with four words that stays busy for some polls after each operation.
-    struct Fake {
+    /// A controller with four times 4 bytes and flash words of some length that stays busy for some
+    /// polls after each operation.
+    struct Fake<const WORD: usize> {
         words: [u32; 4],
         busy: Cell<u32>,
         work: u32,
@@ -160,7 +161,11 @@ mod tests {
         flushed: bool,
     }
 
-    fn fake() -> Fake {
+    fn fake() -> Fake<4> {
+        fake_of()
+    }
+
+    fn fake_of<const WORD: usize>() -> Fake<WORD> {
         Fake {
             words: [u32::MAX; 4],
             busy: Cell::new(0),
@@ -174,8 +179,8 @@ mod tests {
         }
     }
 
-    impl FlashPort for Fake {
-        const WORD_LENGTH: usize = 4;
+    impl<const WORD: usize> FlashPort for Fake<WORD> {
+        const WORD_LENGTH: usize = WORD;
 
         fn status(&self) -> Status {
             let left = self.busy.get();
@@ -211,6 +216,9 @@ mod tests {
         fn store(&mut self, address: u32, word: u32) {
             assert!(self.open && self.programming && self.busy.get() == 0);
             self.words[address as usize / 4] &= word;
+            if !(address as usize + 4).is_multiple_of(WORD) {
+                return;
+            }
             self.busy.set(self.work);
             self.errors = self.next_errors;
         }
@@ -229,6 +237,19 @@ mod tests {
         assert!(!port.open && !port.programming && port.flushed);
         assert_eq!(erase(&mut port, 10), Ok(()));
         assert_eq!(port.words, [u32::MAX; 4]);
+    }
+
+    #[test]
+    fn a_longer_word_is_stored_completely_before_its_end_is_awaited() {
+        let mut port = fake_of::<8>();
+        let bytes = [[1, 0, 0, 0], [2, 0, 0, 0], [3, 0, 0, 0], [4, 0, 0, 0]];
+        assert_eq!(program(&mut port, 0, bytes.as_flattened()), Ok(()));
+        assert_eq!(port.words, [1, 2, 3, 4]);
+        assert_eq!(port.busy.get(), 0, "the end of the last word was awaited");
+        for (address, bytes) in [(4, 8), (0, 4), (0, 12)] {
+            assert_eq!(program(&mut port, address, &[0; 16][..bytes]), Err(FlashError::NotAligned));
+        }
+        assert_eq!(port.words, [1, 2, 3, 4]);
     }
 
     #[test]
