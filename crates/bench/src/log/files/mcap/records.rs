@@ -99,9 +99,7 @@ impl<'a> Chunk<'a> {
         let size = self.size()?;
         let records = match self.compression.as_str() {
             "" => Cow::Borrowed(self.data),
-            "lz4" => Cow::Owned(guarded(|| {
-                unpacked(lz4_flex::frame::FrameDecoder::new(self.data), size).map_err(|e| e.to_string())
-            })?),
+            "lz4" => Cow::Owned(guarded(|| lz4(self.data, size))?),
             "zstd" => Cow::Owned(guarded(|| zstd(self.data, size))?),
             other => return Err(format!("compression `{}`", other.escape_debug()).into()),
         };
@@ -115,18 +113,32 @@ impl<'a> Chunk<'a> {
     }
 }
 
-/// Unpacks at most one byte more than the stated size.
-fn unpacked(source: impl Read, size: usize) -> std::io::Result<Vec<u8>> {
+/// Appends at most one byte more than the stated size. Writers may pad what is after the end.
+fn append(out: &mut Vec<u8>, source: &mut impl Read, size: usize) -> std::io::Result<()> {
+    out.try_reserve_exact(size - out.len())?;
+    source.by_ref().take((size - out.len()) as u64).read_to_end(out)?;
+    let mut next = [0];
+    if out.len() == size && matches!(source.read(&mut next), Ok(1)) {
+        out.extend(next);
+    }
+    Ok(())
+}
+
+fn lz4(data: &[u8], size: usize) -> std::io::Result<Vec<u8>> {
     let mut out = Vec::new();
-    out.try_reserve_exact(size)?;
-    source.take(size as u64 + 1).read_to_end(&mut out)?;
+    append(&mut out, &mut lz4_flex::frame::FrameDecoder::new(data), size)?;
     Ok(out)
 }
 
-fn zstd(data: &[u8], size: usize) -> Result<Vec<u8>, String> {
-    let most = MAX_CHUNK_BYTES as u64;
-    let decoder = ruzstd::decoding::StreamingDecoder::new_with_max_window_size(data, most);
-    unpacked(decoder.map_err(|e| e.to_string())?, size).map_err(|e| e.to_string())
+/// Unpacks one frame or several.
+fn zstd(data: &[u8], size: usize) -> std::io::Result<Vec<u8>> {
+    let (mut out, mut rest) = (Vec::new(), data);
+    while out.len() < size && !rest.is_empty() {
+        let most = MAX_CHUNK_BYTES as u64;
+        let frame = ruzstd::decoding::StreamingDecoder::new_with_max_window_size(&mut rest, most);
+        append(&mut out, &mut frame.map_err(std::io::Error::other)?, size)?;
+    }
+    Ok(out)
 }
 
 /// Returns whether bytes have a checksum; 0 stands for none.

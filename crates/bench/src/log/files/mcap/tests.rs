@@ -197,6 +197,33 @@ fn a_chunk_unpacks_to_no_more_than_it_states() {
     }
 }
 
+/// Writers may divide a chunk into frames and pad it.
+#[test]
+fn a_chunk_of_several_frames_with_padding_is_read() {
+    let records = [
+        definition(1, "ros1msg", b"float64 x"),
+        channel(1, 1, "/t", "ros1"),
+        message(1, 0, &1.0_f64.to_le_bytes()),
+        message(1, 1_000_000_000, &2.0_f64.to_le_bytes()),
+    ]
+    .concat();
+    let (first, second) = records.split_at(70);
+    let zstd = |part: &[u8]| {
+        // One block that is not compressed.
+        let block = 1 | (part.len() as u32) << 3;
+        [&[0x28, 0xb5, 0x2f, 0xfd, 0, 0x38][..], &block.to_le_bytes()[..3], part].concat()
+    };
+    let padding = vec![0; 5];
+    for (compression, data) in [
+        ("zstd", [zstd(first), zstd(second), padding.clone()]),
+        ("lz4", [lz4(&records), padding, Vec::new()]),
+    ] {
+        let file = whole(&chunk(compression, records.len() as u64, 0, &data.concat()));
+        let log = RawLog::from_bytes("a.mcap", file).unwrap();
+        assert_eq!((columns(&log)["/t.time"], columns(&log)["/t.x"]), (&[0.0, 1.0][..], &[1.0, 2.0][..]));
+    }
+}
+
 fn lz4(bytes: &[u8]) -> Vec<u8> {
     let mut encoder = lz4_flex::frame::FrameEncoder::new(Vec::new());
     std::io::Write::write_all(&mut encoder, bytes).unwrap();
