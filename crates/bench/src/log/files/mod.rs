@@ -26,7 +26,8 @@ const MAX_FILE_BYTES: u64 = 4 << 30;
 /// Number of bytes that are searched for a zero, which no text has.
 const SEARCHED_BYTES: usize = 4096;
 
-const READABLE: &str = "CSV text, Parquet, a MAT-file of version 5 to 7.3, HDF5, MDF of version 4, TDMS, MCAP or a workbook (.xlsx)";
+const READABLE: &str = "CSV text, Parquet, a MAT-file of version 5 to 7.3, HDF5, MDF of version 4, TDMS, \
+     MCAP or a workbook (.xlsx)";
 
 /// Reads the bytes of a file.
 pub(super) fn read(path: &Path) -> Result<Vec<u8>, LogError> {

@@ -286,7 +286,8 @@ mod tests {
 
     #[test]
     fn types_of_both_dialects_are_found() {
-        let text = "# comment\nint32 LIMIT=5\nstring NAME = a # b\nHeader header\nbyte b\ntime[2] t\nB[] list\n\
+        let text = "# comment\nint32 LIMIT=5\nstring NAME = a # b\nHeader header\nbyte b\ntime[2] t\n\
+                    B[] list\n\
                     ================\nMSG: std_msgs/Header\nuint32 seq\ntime stamp\nstring frame_id\n\
                     ================\nMSG: a/B\nfloat64[<=3] x\n";
         let found = parse(text, Dialect::Ros1).unwrap();
