@@ -275,6 +275,8 @@ fn an_unfinished_tdms_file_is_read_as_far_as_it_goes() {
 /// Every file cut at many places: an error, or columns that are whole.
 #[test]
 fn a_truncated_file_has_no_column_that_is_cut() {
+    // Missing values are equal, too.
+    let bits = |values: &[f64]| values.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
     for (file, ..) in files() {
         let bytes = std::fs::read(path(file)).unwrap();
         let whole = read(file);
@@ -286,7 +288,8 @@ fn a_truncated_file_has_no_column_that_is_cut() {
                 Err(_) => refused += 1,
                 Ok(found) => {
                     for (name, values) in columns(&found) {
-                        assert_eq!(whole.get(name), Some(&values), "{file}: {name}, cut at {part} of 200");
+                        let whole = whole.get(name).map(|values| bits(values));
+                        assert_eq!(whole, Some(bits(values)), "{file}: {name}, cut at {part} of 200");
                     }
                 }
             }

@@ -30,7 +30,7 @@ pub enum LogAction {
 #[command(after_help = "Examples:\n  host-sim log info bench.mf4\n  \
     host-sim log info bench.tdms --json\n\n\
     Reads CSV and other texts, Parquet, MAT-files of version 5 to 7.3, HDF5, MDF of version 4,\n\
-    TDMS and workbooks (.xlsx). The content decides about the format, not the name.")]
+    TDMS, MCAP and workbooks (.xlsx). The content decides about the format, not the name.")]
 pub struct InfoArgs {
     /// Log.
     #[arg(value_name = "LOG")]

@@ -22,6 +22,8 @@ import pyarrow
 import pyarrow.parquet
 import scipy.io
 
+import make_mcap
+
 HERE = Path(__file__).parent
 TIME = np.round(np.arange(100) * 0.01, 2)
 ANGLE = np.round(0.6 * np.sin(2 * np.pi * 2.0 * TIME), 6)
@@ -48,6 +50,7 @@ FILES = {
     "groups.h5": (["bench/time", "bench/angle", "bench/force"], ["s", "rad", "N"]),
     "matrix.h5": (["log(:,1)", "log(:,2)", "log(:,3)"], ["", "", ""]),
     "table.h5": (["log.time", "log.angle", "log.force"], ["", "", ""]),
+    **make_mcap.FILES,
 }
 
 
@@ -220,6 +223,10 @@ def tables():
     book.save(HERE / "sheets.xlsx")
 
 
+def mcap():
+    make_mcap.write(TIME, ANGLE, FORCE)
+
+
 def conversions():
     """Channels of the stored numbers 0 to 99 with every kind of conversion, and other contents."""
     from_dict = asammdf.blocks.conversion_utils.from_dict
@@ -345,5 +352,5 @@ def classes():
 
 
 if __name__ == "__main__":
-    for write in [text, files, mdf, tdms, hdf5, matlab, tables, conversions, several_times, classes]:
+    for write in [text, files, mdf, tdms, hdf5, matlab, tables, mcap, conversions, several_times, classes]:
         write()

@@ -24,7 +24,7 @@ ENDINGS = (".csv", ".txt", ".parquet", ".mat")
 
 
 def read_log(path: str | Path, group: str | None = None) -> pd.DataFrame:
-    """Reads the columns of numbers of a log: CSV, Parquet, MAT, MDF4, TDMS, HDF5 or xlsx.
+    """Reads the columns of numbers of a log: CSV, Parquet, MAT, MDF4, TDMS, MCAP, HDF5 or xlsx.
 
     ``attrs["units"]`` has the units by column, ``attrs["format"]`` the format of the file. A file
     whose columns have different lengths has groups; ``group`` selects one.

@@ -121,11 +121,15 @@ pub(super) fn unique_names(columns: &[(String, String)]) -> Vec<String> {
 /// Names of which none repeats another one: a name that is taken has a number after it.
 pub(super) fn distinct(names: Vec<String>) -> Vec<String> {
     let mut taken: HashSet<String> = HashSet::new();
+    // Last number of each name, so that many equal names do not cost the square of their count.
+    let mut numbers: HashMap<String, usize> = HashMap::new();
     let free = |name: String| {
-        let numbered = (2..).map(|number| format!("{name}#{number}"));
-        let mut choices = std::iter::once(name.clone()).chain(numbered);
-        let found = choices.find(|choice| !taken.contains(choice)).unwrap_or(name);
-        taken.insert(found.clone());
+        let mut found = name.clone();
+        while !taken.insert(found.clone()) {
+            let number = numbers.entry(name.clone()).or_insert(1);
+            *number += 1;
+            found = format!("{name}#{number}");
+        }
         found
     };
     names.into_iter().map(free).collect()

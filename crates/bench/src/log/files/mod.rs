@@ -5,6 +5,7 @@ mod file;
 mod hdf5;
 mod mat;
 mod mat_write;
+mod mcap;
 mod mdf;
 mod parquet;
 mod tdms;
@@ -25,8 +26,8 @@ const MAX_FILE_BYTES: u64 = 4 << 30;
 /// Number of bytes that are searched for a zero, which no text has.
 const SEARCHED_BYTES: usize = 4096;
 
-const READABLE: &str =
-    "CSV text, Parquet, a MAT-file of version 5 to 7.3, HDF5, MDF of version 4, TDMS or a workbook (.xlsx)";
+const READABLE: &str = "CSV text, Parquet, a MAT-file of version 5 to 7.3, HDF5, MDF of version 4, TDMS, \
+     MCAP or a workbook (.xlsx)";
 
 /// Reads the bytes of a file.
 pub(super) fn read(path: &Path) -> Result<Vec<u8>, LogError> {
@@ -71,6 +72,10 @@ pub(super) fn open(
     if bytes.starts_with(tdms::TDMS) {
         return Ok(Box::new(tdms::Tdms::open(file, bytes)?));
     }
+    if bytes.starts_with(mcap::MCAP) {
+        return Ok(Box::new(mcap::Mcap::open(file, &bytes)?));
+    }
+    mcap::refuse_other(file, &bytes)?;
     if bytes.starts_with(xlsx::ZIP) {
         return Ok(Box::new(xlsx::Workbook::open(file, &bytes)?));
     }
