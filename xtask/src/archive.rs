@@ -32,6 +32,7 @@ const COMPLETIONS: [(&str, &str, &str, &str); 3] = [
 /// the keys of `PINTLE_MODEL_KEY`, which must not be the development key.
 pub(crate) fn archive() -> Result<PathBuf, ChoreError> {
     firmware::require_own_keys()?;
+    firmware::refuse_link_key()?;
     let name = format!("pintle-{}-{}", env!("CARGO_PKG_VERSION"), host()?);
     let folder = target_folder().join("archive");
     let tree = folder.join(&name);

@@ -31,6 +31,8 @@ pub(crate) fn parse_board(name: &str) -> Result<Firmware, boards::UnknownBoard> 
 
 /// Variable with the keys that the firmware trusts.
 const KEYS: &str = "PINTLE_MODEL_KEY";
+/// Variable of the key of the link.
+const LINK_KEY: &str = "PINTLE_LINK_KEY";
 
 /// Builds the image of a board, or the one that provokes faults on demand, and returns its path.
 /// For delivery it needs keys of its owner.
@@ -44,6 +46,16 @@ pub(crate) fn image(board: Firmware, is_provoking: bool, is_delivered: bool) -> 
 /// Refuses a build for delivery whose firmware would trust the published development key.
 pub(crate) fn require_own_keys() -> Result<(), ChoreError> {
     own_keys(std::env::var(KEYS).ok().as_deref()).map_err(ChoreError::ByHand)
+}
+
+/// Refuses a build for others that would contain the secret key of a link.
+pub(crate) fn refuse_link_key() -> Result<(), ChoreError> {
+    match std::env::var_os(LINK_KEY) {
+        Some(_) => Err(ChoreError::ByHand(format!(
+            "{LINK_KEY}: it is set; expected an archive without a secret key"
+        ))),
+        None => Ok(()),
+    }
 }
 
 fn own_keys(listed: Option<&str>) -> Result<(), String> {

@@ -17,7 +17,7 @@ struct Publication {
     build: String,
     seed: u64,
     count: u64,
-    table: Counts,
+    table: Option<Counts>,
 }
 
 #[derive(Deserialize)]
@@ -49,15 +49,17 @@ fn render() -> Result<String, ChoreError> {
     let text = std::fs::read_to_string(&file).map_err(|error| wrong(error.to_string()))?;
     let published: Vec<Publication> =
         serde_json::from_str(&text).map_err(|error| wrong(error.to_string()))?;
-    let last = published.last().ok_or_else(|| wrong("no publication".into()))?;
+    let ended =
+        published.iter().rev().find_map(|publication| Some((publication, publication.table.as_ref()?)));
+    let (last, counts) = ended.ok_or_else(|| wrong("no publication that has ended".into()))?;
     let mut text = format!(
         "{} faults of the fresh seed {}, image `{}`, {}:\n\n\
          | disturbed | faults | detected | wrong again | detected late | harmless | silent | \
          late by at most, samples |\n|---|---|---|---|---|---|---|---|\n",
         last.count, last.seed, last.build, last.date
     );
-    let rows = last.table.kinds.iter().map(|(kind, row)| (kind.as_str(), row));
-    for (kind, row) in rows.chain([("**all**", &last.table.all)]) {
+    let rows = counts.kinds.iter().map(|(kind, row)| (kind.as_str(), row));
+    for (kind, row) in rows.chain([("**all**", &counts.all)]) {
         let late = row.late_longest.map_or_else(|| "-".into(), |late| late.to_string());
         // Writing to a string does not fail.
         let _ = writeln!(
@@ -65,6 +67,10 @@ fn render() -> Result<String, ChoreError> {
             "| {kind} | {} | {} | {} | {} | {} | {} | {late} |",
             row.faults, row.detected, row.wrong_again, row.detected_late, row.harmless, row.silent
         );
+    }
+    for open in published.iter().filter(|publication| publication.table.is_none()) {
+        let _ =
+            writeln!(text, "\nNot ended: {} faults of seed {}, begun {}.", open.count, open.seed, open.date);
     }
     Ok(text)
 }

@@ -4,8 +4,12 @@
 //! with a [`Tag`]: the first 16 bytes of HMAC-SHA-512 (RFC 2104, RFC 4231) over the number of the
 //! controller's start and the numbered command. The number of the start is never used again, and
 //! within a start a command's number is not (see [`crate::Command`]), so a recorded command has no
-//! effect when it is repeated later. The hello frame states the number of the start with a tag, so
-//! a forged frame cannot make the host sign commands for a later start.
+//! effect when it is repeated later. Commands that only read have no tag, and their numbers do not
+//! count. The hello frame states the numbers of the start and of the last command with a tag, so a
+//! forged frame cannot make the host sign commands for later.
+//!
+//! Every controller needs a separate key: with a common one, a command for one of them is valid for
+//! another one that has the same numbers.
 //!
 //! Samples and estimates carry no tags. A package of models is signed
 //! ([`crate::update`]); [`crate::Command::PermitUpdate`] lets the controller begin with it.
@@ -23,7 +27,7 @@ pub const LINK_KEY_LENGTH: usize = 32;
 /// Length of a tag in bytes.
 pub const TAG_LENGTH: usize = 16;
 
-/// Shared key of a host and its controllers. Its `Debug` output does not contain it.
+/// Shared key of a host and one controller. Its `Debug` output does not contain it.
 #[derive(Clone, Copy)]
 pub struct LinkKey([u8; LINK_KEY_LENGTH]);
 
@@ -33,7 +37,7 @@ impl core::fmt::Debug for LinkKey {
     }
 }
 
-/// Authentication code of a command or of a start's number.
+/// Authentication code of a command or of a hello frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Tag(pub [u8; TAG_LENGTH]);
 
@@ -51,7 +55,7 @@ pub enum Authentication {
     Required {
         /// Number of the controller's start.
         start: u32,
-        /// Tag of that number.
+        /// Tag of that number and of the number of the last command in the same frame.
         tag: Tag,
     },
 }
@@ -63,10 +67,10 @@ impl LinkKey {
         Self(bytes)
     }
 
-    /// Returns the tag of a start's number.
+    /// Returns the tag of a hello frame: of the numbers of the start and of the last command.
     #[must_use]
-    pub fn start_tag(&self, start: u32) -> Tag {
-        truncated(self.code(Purpose::Start, start, &[]).finalize().into_bytes())
+    pub fn hello_tag(&self, start: u32, last_command: u32) -> Tag {
+        truncated(self.mac(Purpose::Hello, start, &last_command.to_le_bytes()).finalize().into_bytes())
     }
 
     /// Returns the tag of a command in the start with a number; `None` if the command is longer
@@ -75,7 +79,7 @@ impl LinkKey {
     pub fn command_tag(&self, start: u32, command: &NumberedCommand) -> Option<Tag> {
         let mut buffer = [0; MAX_PAYLOAD];
         let encoded = postcard::to_slice(command, &mut buffer).ok()?;
-        Some(truncated(self.code(Purpose::Command, start, encoded).finalize().into_bytes()))
+        Some(truncated(self.mac(Purpose::Command, start, encoded).finalize().into_bytes()))
     }
 
     /// Decides in constant time whether a tag is that of a command in the start with a number.
@@ -83,17 +87,17 @@ impl LinkKey {
     pub fn accepts(&self, start: u32, command: &NumberedCommand, tag: &Tag) -> bool {
         let mut buffer = [0; MAX_PAYLOAD];
         postcard::to_slice(command, &mut buffer).is_ok_and(|encoded| {
-            self.code(Purpose::Command, start, encoded).verify_truncated_left(&tag.0).is_ok()
+            self.mac(Purpose::Command, start, encoded).verify_truncated_left(&tag.0).is_ok()
         })
     }
 
-    /// Decides in constant time whether a tag is that of a start's number.
+    /// Decides in constant time whether a tag is that of a hello frame with these numbers.
     #[must_use]
-    pub fn accepts_start(&self, start: u32, tag: &Tag) -> bool {
-        self.code(Purpose::Start, start, &[]).verify_truncated_left(&tag.0).is_ok()
+    pub fn accepts_hello(&self, start: u32, last_command: u32, tag: &Tag) -> bool {
+        self.mac(Purpose::Hello, start, &last_command.to_le_bytes()).verify_truncated_left(&tag.0).is_ok()
     }
 
-    fn code(&self, purpose: Purpose, start: u32, content: &[u8]) -> Hmac<Sha512> {
+    fn mac(&self, purpose: Purpose, start: u32, content: &[u8]) -> Hmac<Sha512> {
         let mut block = hmac::digest::Key::<Hmac<Sha512>>::default();
         for (to, from) in block.iter_mut().zip(self.0) {
             *to = from;
@@ -110,7 +114,7 @@ impl LinkKey {
 /// Purpose of a tag: one made for a purpose is not valid for another.
 #[derive(Clone, Copy)]
 enum Purpose {
-    Start = 1,
+    Hello = 1,
     Command = 2,
 }
 
@@ -181,8 +185,10 @@ mod tests {
             flipped.0[bit / 8] ^= 1 << (bit % 8);
             assert!(!KEY.accepts(3, &STOP, &flipped));
         }
-        assert!(KEY.accepts_start(3, &KEY.start_tag(3)));
-        assert!(!KEY.accepts_start(4, &KEY.start_tag(3)) && !KEY.accepts_start(3, &tag));
+        let hello = KEY.hello_tag(3, 7);
+        assert!(KEY.accepts_hello(3, 7, &hello));
+        assert!(!KEY.accepts_hello(4, 7, &hello) && !KEY.accepts_hello(3, 8, &hello));
+        assert!(!KEY.accepts_hello(3, 7, &tag) && !KEY.accepts(3, &STOP, &hello));
     }
 
     #[test]

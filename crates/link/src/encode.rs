@@ -30,7 +30,7 @@ impl core::error::Error for EncodeError {}
 ///
 /// # Errors
 ///
-/// The message does not fit. None of this crate's messages is that long.
+/// The message does not fit. Messages whose fields are in their ranges do.
 pub fn encode<'a, M: Serialize>(
     message: &M,
     frame: &'a mut [u8; MAX_FRAME],

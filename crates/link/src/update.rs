@@ -322,9 +322,7 @@ impl core::fmt::Display for UpdateRefusal {
             Self::NoMemory => f.write_str("the controller has no memory for models"),
             Self::Revoked => f.write_str("signed with a key that has been revoked"),
             Self::VersionTooHigh { found, most } => write!(f, "version {found}; expected at most {most}"),
-            Self::NotPermitted => {
-                f.write_str("not permitted: the controller requires the key of its link (--link-key)")
-            }
+            Self::NotPermitted => f.write_str("not permitted: the controller requires the key of its link"),
         }
     }
 }

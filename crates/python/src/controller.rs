@@ -8,7 +8,7 @@ use bench::plants::transmission::Transmission;
 use host_sim::controller::choice::read_link_key;
 use host_sim::controller::{AttachedController, EmulatedController, NativeController};
 use host_sim::controller::{ControllerError, RemoteController};
-use host_sim::device::update::update;
+use host_sim::device::update::{UpdateError, update};
 use host_sim::run::configuration::lockstep_configuration;
 use host_sim::run::{estimates, impacts, sensing};
 use link::authentication::LinkKey;
@@ -95,7 +95,11 @@ impl Controller {
                 Way::Native(_) => {
                     Err(input("update: found the native controller; expected an emulated or attached one"))
                 }
-                Way::Remote(remote) => Ok(update(&mut **remote, &package, |_| {}).map_err(work)?.sent_bytes),
+                Way::Remote(remote) => match update(&mut **remote, &package, |_| {}) {
+                    Ok(updated) => Ok(updated.sent_bytes),
+                    Err(UpdateError::NotPermitted(error)) => Err(failed(error)),
+                    Err(error) => Err(work(error)),
+                },
             }
         })
     }

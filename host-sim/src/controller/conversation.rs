@@ -64,6 +64,8 @@ pub struct Conversation {
     pending: Option<ToController>,
     key: Option<LinkKey>,
     authentication: Authentication,
+    /// Number of the last command in the last hello, which its tag covers.
+    introduced: u32,
     /// Numbers of the last estimate, the last slow frame and the last impact.
     estimate: Option<u32>,
     slow: Option<u32>,
@@ -106,9 +108,16 @@ impl Conversation {
     /// Decides whether the controller requires a key and this is another one.
     pub(super) fn has_wrong_key(&self) -> bool {
         match (self.key, self.authentication) {
-            (Some(key), Authentication::Required { start, tag }) => !key.accepts_start(start, &tag),
+            (Some(key), Authentication::Required { start, tag }) => {
+                !key.accepts_hello(start, self.introduced, &tag)
+            }
             _ => false,
         }
+    }
+
+    /// Decides whether a key was given for a controller that requires none.
+    pub(super) const fn has_needless_key(&self) -> bool {
+        self.key.is_some() && !self.is_key_required()
     }
 
     /// Decides whether the controller requires a key.
@@ -151,10 +160,11 @@ impl Conversation {
                     ToController::Command(NumberedCommand { id: waiting, .. })
                     | ToController::Authenticated(NumberedCommand { id: waiting, .. }, _),
                 ) if id == waiting => {
-                    self.pending = None;
+                    let is_tagged = matches!(self.pending.take(), Some(ToController::Authenticated(..)));
                     // A command refused because of its number or tag was not carried out: the
-                    // number is still free.
-                    if !outcome.is_err_and(|refusal| is_number_free(&refusal)) {
+                    // number is still free. If a key is required, other commands do not count.
+                    let counts = is_tagged || !self.is_key_required();
+                    if counts && !outcome.is_err_and(|refusal| is_number_free(&refusal)) {
                         self.last_command = id;
                     }
                     // A new run numbers its estimates and impacts from the start.
@@ -198,7 +208,7 @@ impl Conversation {
             return self.stray();
         }
         self.last_command = hello.last_command;
-        self.authentication = hello.authentication;
+        (self.authentication, self.introduced) = (hello.authentication, hello.last_command);
         // The hello of a start does not answer a pending `Identify`; that answer is still to come.
         if is_requested || !matches!(self.pending, Some(ToController::Identify { .. })) {
             self.pending = None;

@@ -114,6 +114,12 @@ pub enum ControllerError {
     /// It has another key of the link, or a forged frame arrived in its name.
     #[error("the key of the link is not the controller's; expected the one that its firmware was built with")]
     WrongKey,
+    /// It requires no key, but one was given.
+    #[error(
+        "--link-key: found a controller whose firmware has no key (or a forged frame in its name); expected \
+         one that was built with PINTLE_LINK_KEY"
+    )]
+    NeedlessKey,
     /// A damaged frame on a link that loses nothing.
     #[error("a damaged frame on the link: {0:?}")]
     Frame(FrameError),
@@ -248,6 +254,7 @@ impl From<ControllerError> for CliError {
             | ControllerError::FirmwareMissing { .. }
             | ControllerError::NotFirmware { .. }
             | ControllerError::WrongKey
+            | ControllerError::NeedlessKey
             | ControllerError::Refused(Refusal::NotAuthenticated) => Self::Input(error.to_string()),
             #[cfg(feature = "probe")]
             ControllerError::Probe(error) => error.into(),

@@ -316,11 +316,15 @@ impl Controller for RemoteController {
 
     fn order(&mut self, command: Command) -> Result<Answer, ControllerError> {
         // Another host may have sent a command since the hello. Then the number is taken, and the
-        // host asks for the next one. After an unnoticed restart the tag needs its number.
+        // host asks for the next one. After an unnoticed restart the tag needs the new start's
+        // number.
         let mut refused = Refusal::NumberTaken;
         for _ in 0..2 {
             if command.changes_state() && self.conversation.has_wrong_key() {
                 return Err(ControllerError::WrongKey);
+            }
+            if command.changes_state() && self.conversation.has_needless_key() {
+                return Err(ControllerError::NeedlessKey);
             }
             let message = self.conversation.order(command);
             match self.ask(&message, "a command")? {

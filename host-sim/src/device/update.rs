@@ -99,7 +99,11 @@ pub fn update(
             }
             Ok(UpdateAnswer::Refused(reason)) => return Err(UpdateError::Refused(reason)),
             Ok(UpdateAnswer::Record(_)) => continue,
-            Err(error @ (ControllerError::Refused(_) | ControllerError::WrongKey)) => {
+            Err(
+                error @ (ControllerError::Refused(_)
+                | ControllerError::WrongKey
+                | ControllerError::NeedlessKey),
+            ) => {
                 return Err(UpdateError::NotPermitted(error));
             }
             Err(error) => {

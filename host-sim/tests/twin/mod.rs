@@ -224,21 +224,25 @@ impl Served {
     /// Starts the session, the first or another one.
     fn start(&mut self) {
         self.session = session();
-        self.guard = self.key.map(|key| CommandGuard::new(key, self.starts));
         self.starts += 1;
+        self.guard = self.key.map(|key| CommandGuard::new(key, Some(self.starts)));
         if let Some(guard) = &self.guard {
-            self.session.set_authentication(guard.requirement());
+            self.session.set_authentication(guard.requirement(0));
         }
     }
 
     /// Answers a message as the link service does.
     fn answer(&mut self, message: &ToController) -> ToHost {
-        if let Some(guard) = &mut self.guard
-            && let Err((id, reason)) = guard.admit(message, |_| true)
+        if let Some(guard) = &self.guard
+            && let Err((id, reason)) = guard.admit(message)
         {
             return ToHost::Acknowledged(Acknowledgement { id, outcome: Err(reason) });
         }
-        self.session.handle(message, &mut NoTicks)
+        let mut answer = self.session.handle(message, &mut NoTicks);
+        if let (ToHost::Hello(hello), Some(guard)) = (&mut answer, &self.guard) {
+            hello.authentication = guard.requirement(hello.last_command);
+        }
+        answer
     }
 
     fn serve(&mut self) {

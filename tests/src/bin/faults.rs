@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use system_tests::faults::campaign::Campaign;
 use system_tests::faults::classify::{Class, Outcome};
-use system_tests::faults::publication::{build_of, fresh_seed, publish};
+use system_tests::faults::publication::{begin, build_of, end};
 use system_tests::faults::table::{Counts, Table};
 use system_tests::faults::{CampaignError, exit};
 
@@ -44,9 +44,9 @@ struct Cli {
     /// Write the counts of the default count and seed to tests/golden/faults.json.
     #[arg(long, conflicts_with_all = ["count", "first", "only", "seed", "record", "elf"])]
     bless: bool,
-    /// Append the counts to tests/golden/faults-published.json, for docs/figures.md (`cargo xtask
-    /// bless`). The seed must be one that no published campaign has used; give the printed one with
-    /// --seed and --record to continue an interrupted campaign.
+    /// Draw a fresh seed and record the campaign in tests/golden/faults-published.json, for
+    /// docs/figures.md (`cargo xtask bless`). To continue an interrupted one give its --seed and
+    /// --record.
     #[arg(long, conflicts_with_all = ["first", "only", "bless"])]
     publish: bool,
     /// Print the table as JSON; with --only, the outcome.
@@ -63,11 +63,13 @@ fn run(cli: &Cli) -> Result<bool, CampaignError> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(cli.threads).build_global();
     pool.map_err(|error| CampaignError::Unexpected { found: error.to_string(), expected: "threads" })?;
     let elf = cli.elf.clone().unwrap_or_else(host_sim::controller::EmulatedController::default_elf);
-    let build = cli.publish.then(|| build_of(&elf)).transpose()?;
-    let seed = if cli.publish { fresh_seed(cli.seed)? } else { cli.seed.unwrap_or(SEED) };
-    if cli.publish {
+    let seed = if cli.publish {
+        let seed = begin(cli.seed, build_of(&elf)?, cli.count)?;
         eprintln!("seed {seed}");
-    }
+        seed
+    } else {
+        cli.seed.unwrap_or(SEED)
+    };
     let campaign = Campaign::prepare(&elf, seed)?;
     if let Some(number) = cli.only {
         let outcome = campaign.fault(number)?;
@@ -97,8 +99,8 @@ fn run(cli: &Cli) -> Result<bool, CampaignError> {
     if cli.bless {
         bless(&Counts::from_table(&table))?;
     }
-    if let Some(build) = build {
-        publish(build, seed, cli.count, table.clone())?;
+    if cli.publish {
+        end(seed, table.clone())?;
     }
     if cli.json {
         println!("{}", serde_json::to_string_pretty(&table).unwrap_or_default());

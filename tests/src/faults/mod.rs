@@ -68,17 +68,27 @@ pub enum CampaignError {
         /// Expected result.
         expected: &'static str,
     },
-    /// A campaign with this seed has been published.
-    #[error("--seed: found {seed}, which a published campaign has used; expected another one")]
-    NotFresh {
+    /// No publication with this seed can be continued.
+    #[error(
+        "--seed: found {seed}; expected that of an unfinished publication of this build and count, or \
+         none: a fresh seed is drawn"
+    )]
+    NotBegun {
         /// The seed.
         seed: u64,
     },
-    /// The image was built from files that are in no commit.
-    #[error("found an image of build {build}; expected one of a commit without changes")]
+    /// The image was not built from a commit without changes.
+    #[error(
+        "found an image of build {build}, commit {commit} and {changes} uncommitted changes; expected an \
+         image of the commit and no changes"
+    )]
     NotCommitted {
-        /// Name of the build.
+        /// Name of the image's build.
         build: String,
+        /// Name of the commit.
+        commit: String,
+        /// `none` or `some`.
+        changes: &'static str,
     },
     /// The journal cannot be used.
     #[error(transparent)]
@@ -102,7 +112,7 @@ pub fn exit(result: Result<bool, CampaignError>) -> ExitCode {
             eprintln!("error: {error}");
             ExitCode::from(match error {
                 CampaignError::Image { .. }
-                | CampaignError::NotFresh { .. }
+                | CampaignError::NotBegun { .. }
                 | CampaignError::NotCommitted { .. }
                 | CampaignError::Journal(JournalError::Other { .. }) => 2,
                 _ => 1,

@@ -3,8 +3,8 @@
 //! The check runs outside the lock of the session, because it takes longer than a tick may wait.
 
 use link::authentication::{Authentication, LINK_KEY_LENGTH, LinkKey, ManifestHash};
-use link::update::SignedManifest;
-use link::{Command, NumberedCommand, Refusal, ToController};
+use link::update::UpdateRequest;
+use link::{NumberedCommand, Refusal, ToController};
 
 use crate::store::key::{is_hexadecimal, key_at};
 
@@ -12,12 +12,12 @@ use crate::store::key::{is_hexadecimal, key_at};
 /// [`crate::store::key`]: `PINTLE_LINK_KEY=<64 hexadecimal digits> cargo xtask firmware`. Any
 /// reader of the image has the key.
 pub const LINK_KEY: Option<LinkKey> = match option_env!("PINTLE_LINK_KEY") {
-    Some(text) => Some(LinkKey::new(given(text.as_bytes()))),
+    Some(text) => Some(LinkKey::new(parsed(text.as_bytes()))),
     None => None,
 };
 
 /// Reads a key when the firmware is compiled. A wrong one stops the build.
-const fn given(text: &[u8]) -> [u8; LINK_KEY_LENGTH] {
+const fn parsed(text: &[u8]) -> [u8; LINK_KEY_LENGTH] {
     assert!(
         text.len() == 2 * LINK_KEY_LENGTH && is_hexadecimal(text),
         "PINTLE_LINK_KEY must be a key of 64 hexadecimal digits"
@@ -29,70 +29,71 @@ const fn given(text: &[u8]) -> [u8; LINK_KEY_LENGTH] {
 #[derive(Debug)]
 pub struct CommandGuard {
     key: LinkKey,
-    /// Number of this start.
-    start: u32,
-    /// True once that number is kept, so that no later start has it.
-    is_start_kept: bool,
+    /// Number of this start; `None` if it could not be kept, so that a later start may have it.
+    start: Option<u32>,
     /// Package that an update may begin with.
     permitted: Option<ManifestHash>,
+    /// Number of the command that permitted it.
+    permitted_by: u32,
 }
 
 impl CommandGuard {
-    /// Creates the check. `last_start` is the number that was kept last, 0 at first.
+    /// Creates the check for a start with this number.
     #[must_use]
-    pub const fn new(key: LinkKey, last_start: u32) -> Self {
-        Self { key, start: last_start.saturating_add(1), is_start_kept: false, permitted: None }
+    pub const fn new(key: LinkKey, start: Option<u32>) -> Self {
+        Self { key, start, permitted: None, permitted_by: 0 }
     }
 
-    /// Returns the requirement for the hello frame.
+    /// Returns the requirement for a hello frame with this number of the last command.
     #[must_use]
-    pub fn requirement(&self) -> Authentication {
-        Authentication::Required { start: self.start, tag: self.key.start_tag(self.start) }
+    pub fn requirement(&self, last_command: u32) -> Authentication {
+        let start = self.start.unwrap_or(0);
+        Authentication::Required { start, tag: self.key.hello_tag(start, last_command) }
     }
 
-    /// Decides whether a message may be served. Before the first command of a start `keep` keeps
-    /// the start's number; without power until then, the next start has the same number, and no
-    /// command with it has been executed.
+    /// Decides whether a message may be served.
     ///
     /// # Errors
     ///
-    /// The command changes the state and has no valid tag, or the start's number was not kept.
-    pub fn admit(
-        &mut self,
-        message: &ToController,
-        keep: impl FnOnce(u32) -> bool,
-    ) -> Result<(), (u32, Refusal)> {
-        let (NumberedCommand { id, command }, is_valid) = match message {
-            ToController::Command(numbered) => (numbered, false),
-            ToController::Authenticated(numbered, tag) => {
-                (numbered, self.key.accepts(self.start, numbered, tag))
-            }
+    /// The command changes the state and has no valid tag, or the start's number is not kept. The
+    /// number of the command is returned with the reason.
+    pub fn admit(&self, message: &ToController) -> Result<(), (u32, Refusal)> {
+        let (NumberedCommand { id, command }, tag) = match message {
+            ToController::Command(numbered) => (numbered, None),
+            ToController::Authenticated(numbered, tag) => (numbered, Some((numbered, tag))),
             _ => return Ok(()),
         };
         if !command.changes_state() {
             return Ok(());
         }
-        if !is_valid {
-            return Err((*id, Refusal::NotAuthenticated));
+        let start = self.start.ok_or((*id, Refusal::NotKept))?;
+        let is_valid = tag.is_some_and(|(numbered, tag)| self.key.accepts(start, numbered, tag));
+        if is_valid { Ok(()) } else { Err((*id, Refusal::NotAuthenticated)) }
+    }
+
+    /// Notes the package that a command has permitted. Returns true if another one was permitted
+    /// before. The repetition of a command permits nothing.
+    pub(super) fn note_permission(&mut self, id: u32, package: ManifestHash) -> bool {
+        if self.permitted_by == id {
+            return false;
         }
-        self.is_start_kept = self.is_start_kept || keep(self.start);
-        if self.is_start_kept { Ok(()) } else { Err((*id, Refusal::NotKept)) }
+        self.permitted_by = id;
+        self.permitted.replace(package).is_some_and(|before| before != package)
     }
 
-    /// Notes that a command was executed.
-    pub(super) const fn note_executed(&mut self, command: &Command) {
-        if let Command::PermitUpdate(manifest) = command {
-            self.permitted = Some(*manifest);
+    /// Decides whether a request about models may be served.
+    pub(super) fn permits(&self, request: &UpdateRequest) -> bool {
+        match request {
+            UpdateRequest::Begin(package) => self.permitted == Some(package.hash()),
+            UpdateRequest::Chunk(_) | UpdateRequest::Finish | UpdateRequest::Abort => {
+                self.permitted.is_some()
+            }
+            UpdateRequest::Status | UpdateRequest::Refusals { .. } => true,
         }
     }
 
-    /// Decides whether an update may begin with a package.
-    pub(super) fn is_permitted(&self, package: &SignedManifest) -> bool {
-        self.permitted == Some(package.hash())
-    }
-
-    /// Notes that the permitted package is installed.
-    pub(super) const fn note_installed(&mut self) {
+    /// Ends the permission.
+    pub(super) const fn end_permission(&mut self) {
         self.permitted = None;
     }
 }

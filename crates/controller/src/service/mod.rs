@@ -22,9 +22,10 @@ mod tests;
 use link::authentication::LinkKey;
 use link::start::{KeptConfiguration, PARTIES, Presence};
 use link::track::SensorStatus;
-use link::update::{UpdateAnswer, UpdateRequest};
+use link::update::{UpdateAnswer, UpdateRefusal, UpdateRequest};
 use link::{
-    Acknowledgement, Answer, FrameError, Hello, MAX_FRAME, SensorFrame, State, ToController, ToHost, encode,
+    Acknowledgement, Answer, Command, FrameError, Hello, MAX_FRAME, SensorFrame, State, ToController, ToHost,
+    encode,
 };
 use rtic_core::Mutex;
 
@@ -69,9 +70,10 @@ pub struct LinkService<M> {
 }
 
 impl<M: SlotMemory> LinkService<M> {
-    /// Creates the service. With a key, commands that change the state must be authenticated.
+    /// Creates the service. With a key, commands that change the state must be authenticated, and the
+    /// number of this start is kept now: later, writing flash could stall a run.
     pub fn new(pacing: Pacing, mut stores: Stores<M>, key: Option<LinkKey>, background: Background) -> Self {
-        let guard = key.map(|key| CommandGuard::new(key, stores.last_start()));
+        let guard = key.map(|key| CommandGuard::new(key, stores.next_start()));
         Self { pacing, stores, guard, background }
     }
 
@@ -86,7 +88,7 @@ impl<M: SlotMemory> LinkService<M> {
         platform: &impl Platform,
     ) {
         if let Some(guard) = &self.guard {
-            let requirement = guard.requirement();
+            let requirement = guard.requirement(0);
             shared.lock(|shared| shared.session.set_authentication(requirement));
         }
         let StartWatch { faulted: faulted_starts, .. } = platform.start_watch();
@@ -128,7 +130,8 @@ impl<M: SlotMemory> LinkService<M> {
         ports: &mut Ports<A, B>,
         shared: &mut impl Mutex<T = SharedSession<S>>,
     ) -> Hello {
-        let hello = shared.lock(|shared| shared.session.hello(0));
+        let mut hello = shared.lock(|shared| shared.session.hello(0));
+        self.authenticate(&mut hello);
         if self.pacing == Pacing::Timer {
             ports.end_frame();
         }
@@ -211,21 +214,24 @@ impl<M: SlotMemory> LinkService<M> {
         match message {
             Ok(ToController::Update(request)) => self.update(&request, shared, platform),
             Ok(message) => {
-                if let Some(guard) = &mut self.guard
-                    && let Err((id, reason)) = guard.admit(&message, |start| self.stores.keep_start(start))
+                if let Some(guard) = &self.guard
+                    && let Err((id, reason)) = guard.admit(&message)
                 {
                     let refused = shared.lock(|shared| shared.session.refuse(id, reason));
                     return ToHost::Acknowledged(refused);
                 }
                 self.update_status(shared, platform, parties);
                 self.save_configuration(&message, shared);
-                let reply = shared.lock(|shared| {
+                let mut reply = shared.lock(|shared| {
                     let reply = shared.session.handle(&message, &mut NoTicks);
                     shared.rewire();
                     reply
                 });
                 watch_after(&reply, platform);
                 self.note_permission(&message, &reply);
+                if let ToHost::Hello(hello) = &mut reply {
+                    self.authenticate(hello);
+                }
                 reply
             }
             Err(error) => shared.lock(|shared| shared.session.bad_frame(error)),
@@ -241,32 +247,39 @@ impl<M: SlotMemory> LinkService<M> {
         platform: &impl Platform,
     ) -> ToHost {
         let is_estimating = shared.lock(|shared| shared.session.state() != State::Waiting);
-        if let (Some(guard), UpdateRequest::Begin(package)) = (&self.guard, request)
-            && !guard.is_permitted(package)
-        {
-            let refused = self.stores.packages.refuse_unpermitted(package);
-            platform.log_refused_update(self.stores.packages.status().refused);
-            return ToHost::Update(UpdateAnswer::Refused(refused));
+        if self.guard.as_ref().is_some_and(|guard| !guard.permits(request)) {
+            return ToHost::Update(UpdateAnswer::Refused(UpdateRefusal::NotPermitted));
         }
         let served = self.stores.serve(request, is_estimating);
         if let UpdateAnswer::Refused(_) = served.answer {
             platform.log_refused_update(self.stores.packages.status().refused);
         }
+        if let (UpdateRequest::Finish, Some(guard)) = (request, &mut self.guard)
+            && has_ended(&served.answer)
+        {
+            guard.end_permission();
+        }
         if let Some(models) = served.models {
-            if let Some(guard) = &mut self.guard {
-                guard.note_installed();
-            }
             shared.lock(|shared| shared.session.switch_models(models));
         }
         ToHost::Update(served.answer)
     }
 
-    /// Notes the package that a command has permitted.
-    const fn note_permission(&mut self, message: &ToController, reply: &ToHost) {
+    /// Sets the requirement for commands and its tag. Takes too long for the session's lock.
+    fn authenticate(&self, hello: &mut Hello) {
+        if let Some(guard) = &self.guard {
+            hello.authentication = guard.requirement(hello.last_command);
+        }
+    }
+
+    /// Notes the package that a command has permitted. An update with another one is given up.
+    fn note_permission(&mut self, message: &ToController, reply: &ToHost) {
         if let (Some(guard), ToController::Authenticated(numbered, _)) = (&mut self.guard, message)
+            && let Command::PermitUpdate(package) = numbered.command
             && let ToHost::Acknowledged(Acknowledgement { outcome: Ok(_), .. }) = reply
+            && guard.note_permission(numbered.id, package)
         {
-            guard.note_executed(&numbered.command);
+            let _ = self.stores.serve(&UpdateRequest::Abort, false);
         }
     }
 
@@ -323,6 +336,13 @@ impl<M: SlotMemory> LinkService<M> {
             shared.lock(|shared| shared.session.count_dropped_answer());
         }
     }
+}
+
+/// Decides by the answer to [`UpdateRequest::Finish`] whether the update has ended: the package is
+/// installed, or its slot has been erased.
+const fn has_ended(answer: &UpdateAnswer) -> bool {
+    use UpdateRefusal::{Estimating, NotBegun, Unfinished};
+    !matches!(answer, UpdateAnswer::Refused(Unfinished { .. } | NotBegun | Estimating))
 }
 
 /// Adapts the watch over this start to a reply: with another configuration than the kept one a

@@ -43,14 +43,11 @@ impl<M: SlotMemory> Stores<M> {
         self.values.keep(Kind::Configuration, CONFIGURATION_VERSION, configuration)
     }
 
-    /// Returns the number of the last start with an authenticated command, 0 before the first.
-    pub fn last_start(&mut self) -> u32 {
-        self.values.value(Kind::Start, START_LAYOUT).unwrap_or(0)
-    }
-
-    /// Keeps the number of this start. Returns whether it is kept.
-    pub(super) fn keep_start(&mut self, number: u32) -> bool {
-        self.values.keep(Kind::Start, START_LAYOUT, &number).is_ok()
+    /// Keeps a number for this start that no start before it can have had, and returns it; `None` if
+    /// it cannot be kept.
+    pub(super) fn next_start(&mut self) -> Option<u32> {
+        let number = self.values.count_bound(Kind::Start, START_LAYOUT).checked_add(1)?;
+        self.values.keep(Kind::Start, START_LAYOUT, &number).ok().map(|()| number)
     }
 
     /// Handles a request about models. `is_estimating` is true during a run.
@@ -75,6 +72,12 @@ impl<M: SlotMemory> Stores<M> {
             self.kept_trust = trust;
         }
         trust == self.kept_trust
+    }
+
+    /// Returns the memory of the values, for tests of what is written.
+    #[cfg(test)]
+    pub(super) fn values_mut(&mut self) -> &mut M {
+        self.values.memory_mut()
     }
 
     /// Returns the memories of packages and values, for tests of a reset.

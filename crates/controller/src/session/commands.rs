@@ -17,6 +17,10 @@ impl Session {
     /// Executes a command if it is the next one, or repeats the outcome if it is the last one.
     pub(super) fn acknowledge(&mut self, numbered: &NumberedCommand) -> Acknowledgement {
         let id = numbered.id;
+        if self.conversation.is_authenticated() && !numbered.command.changes_state() {
+            // Its number does not count: anyone could use up the numbers of authenticated commands.
+            return Acknowledgement { id, outcome: self.execute(&numbered.command) };
+        }
         let outcome = match self.conversation.decide_execution(numbered) {
             Execution::Next => {
                 let outcome = self.execute(&numbered.command);

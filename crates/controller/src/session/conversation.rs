@@ -102,6 +102,11 @@ impl Conversation {
         self.hello.authentication = authentication;
     }
 
+    /// Decides whether commands that change the state must be authenticated.
+    pub(super) fn is_authenticated(&self) -> bool {
+        self.hello.authentication != Authentication::Open
+    }
+
     pub(super) const fn set_stack_report(&mut self, stack: StackReport) {
         self.hello.stack = stack;
     }

@@ -45,7 +45,7 @@ pub enum Kind {
     Configuration,
     /// Requirements on packages.
     Trust,
-    /// Number of the last start with an authenticated command.
+    /// Number of the last start; counts up.
     Start,
 }
 
@@ -100,11 +100,27 @@ impl<M: NorFlash> Keeper<M> {
 
     /// Returns the stored value; `None` without one or if its layout has another version.
     pub fn value<T: DeserializeOwned>(&mut self, kind: Kind, layout: u8) -> Option<T> {
-        let record = self.newest_record(kind).ok()??;
-        let (head, body) = record.split_first_chunk::<HEAD>()?;
-        let [_, _, _, _, found, _, length_low, length_high] = *head;
-        let value = body.get(..usize::from(u16::from_le_bytes([length_low, length_high])))?;
-        (found == layout).then(|| postcard::from_bytes(value).ok()).flatten()
+        value_in(&self.newest_record(kind).ok()??, layout)
+    }
+
+    /// Returns a number that no stored value of a kind that counts up exceeds: the largest one that
+    /// can be read, plus one for each record that cannot.
+    pub fn count_bound(&mut self, kind: Kind, layout: u8) -> u32 {
+        let (mut largest, mut damaged) = (0_u32, 0_u32);
+        let end = self.half().unwrap_or(0).saturating_mul(2);
+        for offset in (0..end).step_by(RECORD) {
+            let record = self.read(offset);
+            let found = record.as_ref().and_then(valid_number_and_kind);
+            match (record, found) {
+                (Some(record), Some((_, code))) if code == kind.code() => {
+                    largest = largest.max(value_in(&record, layout).unwrap_or(0));
+                }
+                (_, Some(_)) => {}
+                (Some(record), None) if is_blank(&record) => {}
+                _ => damaged = damaged.saturating_add(1),
+            }
+        }
+        largest.saturating_add(damaged)
     }
 
     /// Stores a value in place of the one before. An equal one is not written again.
@@ -225,6 +241,14 @@ impl<M: NorFlash> Keeper<M> {
         self.memory.read(offset, &mut record).ok()?;
         Some(record)
     }
+}
+
+/// Returns the value in a record; `None` if its layout has another version.
+fn value_in<T: DeserializeOwned>(record: &[u8; RECORD], layout: u8) -> Option<T> {
+    let (head, body) = record.split_first_chunk::<HEAD>()?;
+    let [_, _, _, _, found, _, length_low, length_high] = *head;
+    let value = body.get(..usize::from(u16::from_le_bytes([length_low, length_high])))?;
+    (found == layout).then(|| postcard::from_bytes(value).ok()).flatten()
 }
 
 /// A record without number and checksum.

@@ -116,11 +116,6 @@ impl<M: SlotMemory> Store<M> {
         self.refuse(None, claimed_version(signed), UpdateRefusal::Flash(FlashOperation::Program))
     }
 
-    /// Refuses a package that no authenticated command has permitted.
-    pub(crate) fn refuse_unpermitted(&mut self, signed: &SignedManifest) -> UpdateRefusal {
-        self.refuse(None, claimed_version(signed), UpdateRefusal::NotPermitted)
-    }
-
     /// Ends an update that cannot be finished. The slot is erased, so that the next attempt does
     /// not resume corrupted content.
     fn give_up(&mut self, reception: &Reception, reason: UpdateRefusal) -> UpdateRefusal {

@@ -11,9 +11,9 @@ use crate::boards::stm32::spi::{Divider, NoByte};
 /// Polls for a byte: at least four byte times of the slower device at 480 MHz and 5 cycles a poll.
 const POLLS: u32 = 400;
 
-/// Core cycles in 350 ns at 480 MHz. Twice as many are requested: the loop of the wait may take one
-/// cycle instead of two on this core. A slower core waits longer than necessary.
-pub(in crate::boards) const SELECT_CYCLES: u32 = 2 * 168;
+/// Core cycles in 350 ns at 480 MHz. The wait has a loop of at least one cycle for each. A slower core
+/// waits longer than necessary.
+pub(in crate::boards) const SELECT_CYCLES: u32 = 168;
 
 /// Registers of the port.
 pub(in crate::boards) type Registers = SPI1;
@@ -25,10 +25,9 @@ fn port() -> &'static spi1::RegisterBlock {
     }
 }
 
-/// Returns cycles for a wait of at least this time; a cycle is at least 1/480 us, and the wait's
-/// loop may take half of the requested ones.
+/// Returns core cycles of at least this time; a cycle is at least 1/480 us.
 pub(in crate::boards) const fn delay_cycles(nanoseconds: u32) -> u32 {
-    nanoseconds.saturating_add(1)
+    (nanoseconds / 2).saturating_add(1)
 }
 
 /// Enables the port with a divider. Stops it first, which the registers require.
@@ -40,7 +39,7 @@ pub(in crate::boards) fn enable(divider: Divider) {
     port.cr1().write(|w| w.ssi().set_bit());
     port.ifcr().write(|w| {
         let w = w.eotc().clear_bit_by_one().txtfc().clear_bit_by_one();
-        w.ovrc().clear_bit_by_one().suspc().clear_bit_by_one()
+        w.ovrc().clear_bit_by_one().suspc().clear_bit_by_one().modfc().clear_bit_by_one()
     });
     port.cfg1().write(|w| {
         let w = w.dsize().set(BYTE);

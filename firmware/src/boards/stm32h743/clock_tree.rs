@@ -15,8 +15,6 @@ use stm32h7::stm32h743v::{FLASH, PWR, RCC, SYSCFG};
 
 use controller::clock::{ClockPort, PllInput, within_polls};
 
-/// Input of the PLL after its divider, MHz.
-const REFERENCE_MHZ: u8 = 4;
 /// Wait states of the flash at 240 MHz.
 const WAIT_STATES: u8 = 4;
 /// Programming delay of the flash at 240 MHz.
@@ -79,6 +77,8 @@ impl ClockTree<'_> {
         // The clock runs two of its cycles after the write.
         let _ = self.rcc.apb4enr().read().bits();
         self.system.pwrcr().modify(|_, w| w.oden().set_bit());
+        // The flag below would else still be that of scale 1.
+        let _ = self.system.pwrcr().read().bits();
         let is_ready = self.is_voltage_ready();
         if !is_ready {
             self.system.pwrcr().modify(|_, w| w.oden().clear_bit());
@@ -114,12 +114,13 @@ impl ClockPort for ClockTree<'_> {
     }
 
     fn start_pll(&mut self, input: PllInput) {
-        let (mhz, is_external) = match input {
-            PllInput::Crystal { mhz } => (mhz, true),
-            PllInput::Internal => (64, false),
+        // The divided input is 4 to 8 MHz, also with the internal oscillator's tolerance.
+        let (mhz, divider, is_external) = match input {
+            PllInput::Crystal { mhz } => (mhz, mhz / 4, true),
+            PllInput::Internal => (64, 12, false),
         };
         self.rcc.pllckselr().modify(|_, w| {
-            let w = w.divm1().set(mhz / REFERENCE_MHZ);
+            let w = w.divm1().set(divider);
             if is_external { w.pllsrc().hse() } else { w.pllsrc().hsi() }
         });
         self.rcc.pllcfgr().modify(|_, w| {
@@ -127,9 +128,10 @@ impl ClockPort for ClockTree<'_> {
             w.divp1en().set_bit().divq1en().clear_bit().divr1en().clear_bit()
         });
         // The oscillator of the PLL runs at twice the core's frequency. Both fields are less 1.
-        let multiplier = self.pll_hz / 2_000_000;
+        let pll_mhz = 2 * (self.pll_hz / 1_000_000);
+        let multiplier = pll_mhz.saturating_mul(divider.into()).checked_div(mhz.into()).unwrap_or(1);
         self.rcc.pll1divr().modify(|_, w| {
-            #[expect(unsafe_code, reason = "200 or 240, and 2: within the manual's ranges")]
+            #[expect(unsafe_code, reason = "150 to 240, and 2: within the manual's ranges")]
             unsafe {
                 w.divn1().bits(multiplier.saturating_sub(1) as u16).divp1().bits(1)
             }
@@ -142,7 +144,10 @@ impl ClockPort for ClockTree<'_> {
     }
 
     fn stop_pll(&mut self) {
+        // It cannot be stopped while the core runs on it, nor programmed before it has stopped.
+        within_polls(|| self.selected(ClockSource::Internal));
         self.rcc.cr().modify(|_, w| w.pll1on().clear_bit());
+        within_polls(|| !self.pll_ready());
     }
 
     fn select(&mut self, source: ClockSource) {

@@ -63,14 +63,15 @@ const REVISION_V: u16 = 0x2003;
 /// Starts the board. Every wait has a timeout.
 #[must_use]
 pub fn start(mut core: cortex_m::Peripherals, device: device::Peripherals) -> Board {
-    caches::exclude_dma(&core.MPU);
+    caches::protect(&core.MPU);
     guard::set(&core.MPU);
-    let start = fault::start_report(reason_of_flags(&ResetFlags::STM32H743, device.RCC.rsr().read().bits()));
-    // The next start must find its own flags only.
-    device.RCC.rsr().modify(|_, w| w.rmvf().set_bit());
     // Before anything that could hang.
     device.DBGMCU.apb4fz1().modify(|_, w| w.dbg_iwdg1().set_bit());
     let watchdog = Watchdog::start(device.IWDG);
+    let start = fault::start_report(reason_of_flags(&ResetFlags::STM32H743, device.RCC.rsr().read().bits()));
+    // The next start must find its own flags only.
+    device.RCC.rsr().modify(|_, w| w.rmvf().set_bit());
+    device.RCC.rsr().modify(|_, w| w.rmvf().clear_bit());
     caches::start(&mut core);
 
     let clocks = bring_up(

@@ -90,10 +90,11 @@ fn registers() -> &'static flash::BANK {
     }
 }
 
-/// Errors of writing: WRPERR, PGSERR, STRBERR, INCERR, OPERR, RDPERR, RDSERR.
-const ERRORS: u32 = 0x01EE_0000;
-/// Corrected and failed words, SNECCERR and DBECCERR, and the end of an operation.
-const OTHER_FLAGS: u32 = 0x0601_0000;
+/// Errors of writing: WRPERR, PGSERR, STRBERR, INCERR, OPERR.
+const ERRORS: u32 = 0x006E_0000;
+/// Errors of reading (RDPERR, RDSERR, SNECCERR, DBECCERR), and the end of an operation. Speculative
+/// reads of the core set the first two although nothing is protected.
+const OTHER_FLAGS: u32 = 0x0781_0000;
 
 impl FlashPort for Port {
     const WORD_LENGTH: usize = Sectors::WORD_LENGTH;
@@ -114,6 +115,10 @@ impl FlashPort for Port {
     }
 
     fn unlock(&mut self) -> bool {
+        // Keys for an open controller would lock it until the next reset.
+        if !registers().cr().read().lock().bit_is_set() {
+            return true;
+        }
         for key in [0x4567_0123, 0xCDEF_89AB] {
             registers().keyr().write(|w| {
                 #[expect(unsafe_code, reason = "the two keys of the manual, in their order")]

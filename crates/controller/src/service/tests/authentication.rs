@@ -20,15 +20,31 @@ impl Fixture {
         guarded(slots, places)
     }
 
-    fn start_number(&self) -> u32 {
-        match self.shared.session.hello(0).authentication {
-            Authentication::Required { start, tag } if KEY.accepts_start(start, &tag) => start,
+    fn places_now(&mut self) -> Vec<u8> {
+        self.service.stores.values_mut().bytes.to_vec()
+    }
+
+    fn hello(&mut self) -> Hello {
+        match self.ask(ToController::Identify { token: 5 })[..] {
+            [ToHost::Hello(hello)] => hello,
+            ref other => panic!("{other:?}"),
+        }
+    }
+
+    fn start_number(&mut self) -> u32 {
+        let hello = self.hello();
+        match hello.authentication {
+            Authentication::Required { start, tag } => {
+                assert!(KEY.accepts_hello(start, hello.last_command, &tag));
+                assert!(!KEY.accepts_hello(start, hello.last_command + 1, &tag), "for this number only");
+                start
+            }
             other => panic!("{other:?}"),
         }
     }
 
     /// The next command with its tag.
-    fn signed(&self, command: Command) -> ToController {
+    fn signed(&mut self, command: Command) -> ToController {
         let hello = self.shared.session.hello(0);
         let numbered = NumberedCommand { id: hello.last_command + 1, command };
         ToController::Authenticated(numbered, KEY.command_tag(self.start_number(), &numbered).unwrap())
@@ -78,9 +94,11 @@ fn commands_without_a_valid_tag_change_nothing_and_questions_are_answered() {
     }
     assert!(!start.shared.is_running());
     assert_eq!(start.shared.session.counters().refused_commands, 24);
-    assert_eq!(start.service.stores.last_start(), 0, "nothing is written for an attack");
-    assert_eq!(start.order(Command::GetConfiguration), Answer::Configuration(None));
-    assert!(matches!(start.order(Command::GetCounters), Answer::Counters(_)));
+    for _ in 0..100 {
+        assert_eq!(start.order(Command::GetConfiguration), Answer::Configuration(None));
+        assert!(matches!(start.order(Command::GetCounters), Answer::Counters(_)));
+    }
+    assert_eq!(start.hello().last_command, 0, "questions use up no number of a command");
 }
 
 #[test]
@@ -103,9 +121,31 @@ fn a_recorded_command_is_not_executed_a_second_time_in_its_start_or_a_later_one(
 }
 
 #[test]
-fn a_start_without_an_executed_command_leaves_its_number_to_the_next_one() {
-    let start = guarded(blank(), blank()).restarted_with_key().restarted_with_key();
-    assert_eq!(start.start_number(), 1);
+fn every_start_has_another_number_and_commands_write_none() {
+    let mut start = guarded(blank(), blank()).restarted_with_key().restarted_with_key();
+    assert_eq!(start.start_number(), 3);
+    let before = start.places_now();
+    for command in [Command::Configure(BENCH_B), Command::ClearTrip, Command::Stop] {
+        assert!(start.order_signed(command).is_ok(), "{command:?}");
+    }
+    assert!(start.places_now() == before, "flash is not written during a run");
+}
+
+#[test]
+fn no_damage_of_a_record_brings_a_number_of_an_earlier_start_back() {
+    let mut start = guarded(blank(), blank());
+    for number in 1..100 {
+        assert!(start.start_number() >= number);
+        let used = start.start_number();
+        let [slots, places] = start.service.stores.into_memories();
+        for (place, bit) in (0..places.bytes.len()).step_by(256).zip((0..8).cycle()) {
+            let mut damaged = Flash { bytes: places.bytes.clone(), is_worn: false };
+            damaged.bytes[place + 8 + bit] ^= 1 << bit;
+            let mut next = guarded(blank(), damaged);
+            assert!(next.start_number() > used, "record at {place}, start {used}");
+        }
+        start = guarded(slots, places);
+    }
 }
 
 #[test]
@@ -121,7 +161,7 @@ fn a_configuration_is_kept_beside_the_number_of_the_start() {
     for command in [Command::Configure(BENCH_B), Command::Stop, Command::Keep] {
         assert!(start.order_signed(command).is_ok(), "{command:?}");
     }
-    let next = start.restarted_with_key();
+    let mut next = start.restarted_with_key();
     assert_eq!((next.kept(), next.start_number()), (KeptConfiguration::Restored, 2));
 }
 
@@ -136,8 +176,14 @@ fn an_update_begins_only_with_the_permitted_package_and_once() {
     let permit = start.signed(Command::PermitUpdate(ours.signed.hash()));
     assert_eq!(start.outcome(permit), Ok(Answer::UpdatePermitted));
     assert_eq!(start.update(theirs.begin()), refused);
+    assert_eq!(start.update(UpdateRequest::Finish), UpdateAnswer::Refused(UpdateRefusal::NotBegun));
     start.install(&ours);
+    // The repetition of the last command permits nothing.
+    assert_eq!(start.outcome(permit), Ok(Answer::UpdatePermitted));
     assert_eq!(start.update(ours.begin()), refused);
+    assert_eq!(start.update(ours.chunk(0)), refused);
+    assert_eq!(start.update(UpdateRequest::Finish), refused);
+    assert_eq!(start.update(UpdateRequest::Abort), refused);
     assert_eq!(start.update(theirs.begin()), refused);
     // A permission does not outlast its start.
     start = start.restarted_with_key();
@@ -145,6 +191,29 @@ fn an_update_begins_only_with_the_permitted_package_and_once() {
     start = start.restarted_with_key();
     assert_eq!(start.update(theirs.begin()), refused);
     assert_eq!(start.outcome(permit), Err(Refusal::NotAuthenticated));
+}
+
+#[test]
+fn an_update_that_was_given_up_for_another_one_or_has_failed_needs_a_new_permission() {
+    let mut start = guarded(blank(), blank());
+    let (ours, other) =
+        (Package::new(BearingMaterial::Babbitt, 9), Package::new(BearingMaterial::Babbitt, 10));
+    assert!(start.order_signed(Command::PermitUpdate(ours.signed.hash())).is_ok());
+    start.update(ours.begin());
+    assert!(start.order_signed(Command::PermitUpdate(other.signed.hash())).is_ok());
+    let not_begun = UpdateAnswer::Refused(UpdateRefusal::NotBegun);
+    assert_eq!(start.update(UpdateRequest::Finish), not_begun);
+    // A foreign chunk spoils the update, which then cannot be begun again without a command.
+    start.update(other.begin());
+    start.update(ours.chunk(0));
+    for offset in other.offsets() {
+        start.update(other.chunk(offset));
+    }
+    assert_eq!(start.update(UpdateRequest::Finish), UpdateAnswer::Refused(UpdateRefusal::Hash));
+    let refused = UpdateAnswer::Refused(UpdateRefusal::NotPermitted);
+    assert_eq!(start.update(other.begin()), refused);
+    assert!(start.order_signed(Command::PermitUpdate(other.signed.hash())).is_ok());
+    start.install(&other);
 }
 
 #[test]
