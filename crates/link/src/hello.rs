@@ -63,8 +63,8 @@ pub enum ClockSource {
     Internal,
 }
 
-/// Number of bearing materials that a hello frame and a package have room for. A change also changes
-/// [`PROTOCOL_VERSION`].
+/// Number of bearing materials that a hello frame and a package have room for. A change also
+/// changes [`PROTOCOL_VERSION`].
 pub const MODELS: usize = 5;
 
 /// Identity of a model image on board.

@@ -14,8 +14,9 @@ use std::path::{Path, PathBuf};
 /// Writes the secret key to a file and prints the public key, which must be compiled into the
 /// firmware. An existing file is not replaced; `--show` prints its public key.
 ///
-/// With `--link` it is a key that the host shares with one controller; make a separate one for each: the firmware is built with it, and
-/// commands of `host-sim` have it (`--link-key`). `--show` then prints the key itself.
+/// With `--link` it is a key that the host shares with one controller; make a separate one for
+/// each: the firmware is built with it, and commands of `host-sim` have it (`--link-key`). `--show`
+/// then prints the key itself.
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Examples:\n  model-quant key --out bench.key\n  model-quant key --show bench.key\n  \

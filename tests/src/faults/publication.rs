@@ -1,5 +1,6 @@
-//! Published campaigns. The seed of each is drawn when it begins, and it is recorded before the first
-//! fault, so that a campaign with an unwelcome result cannot be replaced by another one unseen.
+//! Published campaigns. The seed of each is drawn when it begins, and it is recorded before the
+//! first fault, so that a campaign with an unwelcome result cannot be replaced by another one
+//! unseen.
 
 use super::CampaignError;
 use super::table::Table;

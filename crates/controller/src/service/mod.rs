@@ -70,8 +70,8 @@ pub struct LinkService<M> {
 }
 
 impl<M: SlotMemory> LinkService<M> {
-    /// Creates the service. With a key, commands that change the state must be authenticated, and the
-    /// number of this start is kept now: later, writing flash could stall a run.
+    /// Creates the service. With a key, commands that change the state must be authenticated, and
+    /// the number of this start is kept now: later, writing flash could stall a run.
     pub fn new(pacing: Pacing, mut stores: Stores<M>, key: Option<LinkKey>, background: Background) -> Self {
         let guard = key.map(|key| CommandGuard::new(key, stores.next_start()));
         Self { pacing, stores, guard, background }

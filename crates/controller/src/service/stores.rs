@@ -43,8 +43,8 @@ impl<M: SlotMemory> Stores<M> {
         self.values.keep(Kind::Configuration, CONFIGURATION_VERSION, configuration)
     }
 
-    /// Keeps a number for this start that no start before it can have had, and returns it; `None` if
-    /// it cannot be kept.
+    /// Keeps a number for this start that no start before it can have had, and returns it; `None`
+    /// if it cannot be kept.
     pub(super) fn next_start(&mut self) -> Option<u32> {
         let number = self.values.count_bound(Kind::Start, START_LAYOUT).checked_add(1)?;
         self.values.keep(Kind::Start, START_LAYOUT, &number).ok().map(|()| number)

@@ -11,8 +11,8 @@ use crate::boards::stm32::spi::{Divider, NoByte};
 /// Polls for a byte: at least four byte times of the slower device at 480 MHz and 5 cycles a poll.
 const POLLS: u32 = 400;
 
-/// Core cycles in 350 ns at 480 MHz. The wait has a loop of at least one cycle for each. A slower core
-/// waits longer than necessary.
+/// Core cycles in 350 ns at 480 MHz. The wait has a loop of at least one cycle for each. A slower
+/// core waits longer than necessary.
 pub(in crate::boards) const SELECT_CYCLES: u32 = 168;
 
 /// Registers of the port.

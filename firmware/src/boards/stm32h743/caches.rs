@@ -3,11 +3,11 @@
 //! Stack, statics and the filter's state are in the data TCM, which needs no cache. Both caches
 //! serve the flash: the instruction cache code, the data cache weights and constants. Flash changes
 //! only by erasing and programming, after which the data cache is emptied. The memory protection
-//! unit excludes the memory that DMA writes, so that a read never returns old bytes, and memory that
-//! the core must not read speculatively.
+//! unit excludes the memory that DMA writes, so that a read never returns old bytes, and memory
+//! that the core must not read speculatively.
 //!
-//! Sources: PM0253 sections 4.6 (MPU) and 4.8 (caches), Armv7-M reference manual B3.2.8 (CCR), AN4838
-//! (external memory); issue 60449 of Zephyr (system memory).
+//! Sources: PM0253 sections 4.6 (MPU) and 4.8 (caches), Armv7-M reference manual B3.2.8 (CCR),
+//! AN4838 (external memory); issue 60449 of Zephyr (system memory).
 
 use cortex_m::Peripherals;
 use cortex_m::peripheral::{MPU, SCB};
@@ -70,8 +70,9 @@ pub(super) fn flush() {
     core.SCB.clean_invalidate_dcache(&mut core.CPUID);
 }
 
-/// Reads a word at each address and returns false if one of the reads was a bus error. The addresses
-/// must be divisible by 4 and those of flash. Interrupts wait for a few of the reads at a time.
+/// Reads a word at each address and returns false if one of the reads was a bus error. The
+/// addresses must be divisible by 4 and those of flash. Interrupts wait for a few of the reads at a
+/// time.
 pub(super) fn read_masked(addresses: impl Iterator<Item = usize>) -> bool {
     /// Words that are read while interrupts wait: some 10 us.
     const WORDS: usize = 64;
