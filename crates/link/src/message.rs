@@ -70,8 +70,8 @@ pub enum Command {
     SampleYourself,
     /// Returns one of the reports of slow telemetry.
     GetReport(ReportKind),
-    /// Permits the update with one package, until it is installed, another one is permitted, or the
-    /// controller restarts. A controller without a key needs no permission.
+    /// Permits the update with one package until it is installed or its slot is erased, another one
+    /// is permitted, or the controller restarts. A controller without a key needs no permission.
     PermitUpdate(ManifestHash),
 }
 

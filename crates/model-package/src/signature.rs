@@ -7,7 +7,7 @@
 //! secret.
 //!
 //! Measured in the emulator (Cortex-M4, opt-level 3): 3.04 million instructions per signature, 18
-//! ms at 168 MHz; 57 KB of flash.
+//! ms at 168 MHz.
 
 use curve25519_dalek::edwards::{CompressedEdwardsY, EdwardsPoint};
 use curve25519_dalek::scalar::Scalar;

@@ -12,6 +12,7 @@
 mod background;
 mod command_guard;
 mod pace;
+mod sending;
 mod shared_session;
 mod stores;
 mod transport;
@@ -23,13 +24,9 @@ use link::authentication::LinkKey;
 use link::start::{KeptConfiguration, PARTIES, Presence};
 use link::track::SensorStatus;
 use link::update::{UpdateAnswer, UpdateRefusal, UpdateRequest};
-use link::{
-    Acknowledgement, Answer, Command, FrameError, Hello, MAX_FRAME, SensorFrame, State, ToController, ToHost,
-    encode,
-};
+use link::{Acknowledgement, Answer, Command, FrameError, Hello, SensorFrame, State, ToController, ToHost};
 use rtic_core::Mutex;
 
-use crate::impacts::MAX_WAITING;
 pub use crate::session::LineReport;
 use crate::session::{NoTicks, Status};
 use crate::store::SlotMemory;
@@ -38,6 +35,7 @@ use crate::supervisor::start::StartWatch;
 pub use background::{Background, Platform};
 pub use command_guard::{CommandGuard, LINK_KEY};
 pub use pace::{Pace, Pacing};
+use sending::{send, send_estimates, send_impacts};
 pub use shared_session::{SampleSource, SharedSession, Tick};
 pub use stores::Stores;
 use transport::Event;
@@ -377,40 +375,4 @@ fn estimate_now<A: Transport, B: Transport, S: SampleSource>(
         }
         Err(refusal) => Some(refusal),
     }
-}
-
-/// Sends the estimates that the tick has queued, with their blocks.
-fn send_estimates<A: Transport, B: Transport, S: SampleSource>(
-    ports: &mut Ports<A, B>,
-    shared: &mut impl Mutex<T = SharedSession<S>>,
-) {
-    while let Some(estimate) = shared.lock(SharedSession::next_estimate) {
-        if !ports.send_to_host(&estimate.frame) {
-            shared.lock(|shared| shared.session.count_dropped_estimate());
-        }
-        let Some(mut block) = estimate.block else { continue };
-        let (block, is_corrupted) = block.load();
-        if is_corrupted || !send(&ToHost::Block(block), |frame| ports.send_to_host(frame)) {
-            shared.lock(|shared| shared.session.count_dropped_answer());
-        }
-    }
-}
-
-/// Sends the impacts that have ended, at most as many as can wait.
-fn send_impacts<A: Transport, B: Transport, S: SampleSource>(
-    ports: &mut Ports<A, B>,
-    shared: &mut impl Mutex<T = SharedSession<S>>,
-) {
-    for _ in 0..MAX_WAITING {
-        let Some(impact) = shared.lock(|shared| shared.session.take_impact()) else { break };
-        if !send(&impact, |frame| ports.send_to_host(frame)) {
-            shared.lock(|shared| shared.session.count_dropped_impact());
-        }
-    }
-}
-
-/// Encodes a message and passes it to a transport. Returns false if the transport does not take it.
-fn send(message: &ToHost, write: impl FnOnce(&[u8]) -> bool) -> bool {
-    let mut buffer = [0; MAX_FRAME];
-    encode(message, &mut buffer).is_ok_and(write)
 }

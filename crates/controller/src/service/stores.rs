@@ -11,7 +11,8 @@ use crate::store::{Keeper, Models, Served, SlotMemory, Store, Trust};
 /// Version of the layout of [`Trust`]. A firmware with a later one must read this one, too, or the
 /// requirements are lost.
 const TRUST_LAYOUT: u8 = 1;
-/// Version of the layout of a start's number.
+/// Version of the layout of a start's number; as for [`TRUST_LAYOUT`], a later firmware must read
+/// this one.
 const START_LAYOUT: u8 = 1;
 
 /// Packages and kept values.

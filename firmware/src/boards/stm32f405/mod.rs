@@ -3,7 +3,7 @@
 pub(super) mod bus;
 mod clock_tree;
 pub(super) mod port;
-mod sectors;
+pub(super) mod sectors;
 mod serial;
 
 use link::{ClockSource, Target};
@@ -11,6 +11,7 @@ use stm32f4xx_hal::gpio::{GpioExt, Output, PB8, PB9, PinState, PushPull, Speed};
 pub(super) use stm32f4xx_hal::pac;
 use stm32f4xx_hal::rcc::RccExt;
 
+pub(super) use super::stm32::Sectors;
 pub use super::stm32::{Light, Watchdog};
 pub use serial::Receiver;
 pub(super) use serial::{Inbox, Transmitter};
@@ -25,7 +26,6 @@ use controller::boards::ExternalClock;
 use controller::clock::{Clocks, INTERNAL_HZ, bring_up};
 use controller::session::Identity;
 use controller::supervisor::start::{ResetFlags, reason_of_flags};
-pub(super) use sectors::Sectors;
 
 /// The sensors of this board.
 pub type Sensors = stm32::Sensors<PB9<Output<PushPull>>, PB8<Output<PushPull>>>;

@@ -13,61 +13,25 @@
 
 use stm32f4xx_hal::pac::FLASH;
 
-use controller::store::controller::{FlashError, FlashPort, Status, erase, program};
+use controller::store::controller::{FlashPort, Status};
 
-const SECTOR_BYTES: usize = 128 * 1024;
-const FLASH_START: usize = 0x0800_0000;
-/// Sector number that corresponds to offset 0 in units of 128 KiB: sectors 5 and up have this size.
-const FIRST_LARGE: u8 = 4;
+/// Start of sector 0 if all sectors had the size of sector 5 and up.
+pub(in crate::boards) const ORIGIN: usize = 0x0800_0000 - 4 * 128 * 1024;
+/// First sector for the configuration.
+pub(in crate::boards) const CONFIGURATION: u8 = 8;
+/// First sector for the models.
+pub(in crate::boards) const MODELS: u8 = 10;
+/// True if a word must not be programmed twice.
+pub(in crate::boards) const IS_WRITE_ONCE: bool = false;
 
-/// Two adjacent sectors.
-#[derive(Debug)]
-pub(in crate::boards) struct Sectors {
-    first: u8,
-}
-
-impl Sectors {
-    /// Length of a flash word, bytes.
-    pub(in crate::boards) const WORD_LENGTH: usize = 4;
-    /// True if a word must not be programmed twice.
-    pub(in crate::boards) const IS_WRITE_ONCE: bool = false;
-
-    pub(in crate::boards) const CONFIGURATION: Self = Self { first: 8 };
-    pub(in crate::boards) const MODELS: Self = Self { first: 10 };
-
-    pub(in crate::boards) const fn start(&self) -> usize {
-        FLASH_START.wrapping_add((self.first.wrapping_sub(FIRST_LARGE) as usize).wrapping_mul(SECTOR_BYTES))
-    }
-
-    pub(in crate::boards) const fn length(&self) -> usize {
-        2 * SECTOR_BYTES
-    }
-
-    /// Decides whether every byte can be read: this flash has no error correction that fails.
-    pub(in crate::boards) const fn is_readable(&self, _start: usize, _length: usize) -> bool {
-        true
-    }
-
-    /// Erases complete sectors.
-    pub(in crate::boards) fn erase(&mut self, start: usize, length: usize) -> Result<(), FlashError> {
-        let offset = start.checked_sub(self.start()).ok_or(FlashError::OutOfBounds)?;
-        if !offset.is_multiple_of(SECTOR_BYTES) || !length.is_multiple_of(SECTOR_BYTES) {
-            return Err(FlashError::NotAligned);
-        }
-        let [from, count] = [offset / SECTOR_BYTES, length / SECTOR_BYTES].map(|number| number as u8);
-        let first = self.first.saturating_add(from);
-        (first..first.saturating_add(count)).try_for_each(|sector| erase(&mut Port, sector))
-    }
-
-    /// Programs words.
-    pub(in crate::boards) fn program(&mut self, address: usize, bytes: &[u8]) -> Result<(), FlashError> {
-        program(&mut Port, address as u32, bytes)
-    }
+/// Decides whether every byte can be read: this flash has no error correction that fails.
+pub(in crate::boards) const fn is_readable(_start: usize, _length: usize) -> bool {
+    true
 }
 
 /// The flash controller. Only `idle` writes flash, one operation at a time. The clock tree has set
 /// the wait states before.
-struct Port;
+pub(in crate::boards) struct Port;
 
 fn registers() -> &'static stm32f4xx_hal::pac::flash::RegisterBlock {
     #[expect(unsafe_code, reason = "see `Port`: no other code uses these registers")]
@@ -77,7 +41,7 @@ fn registers() -> &'static stm32f4xx_hal::pac::flash::RegisterBlock {
 }
 
 impl FlashPort for Port {
-    const WORD_LENGTH: usize = Sectors::WORD_LENGTH;
+    const WORD_LENGTH: usize = 4;
 
     fn status(&self) -> Status {
         let status = registers().sr().read();

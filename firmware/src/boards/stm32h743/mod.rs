@@ -7,7 +7,7 @@ pub(super) mod bus;
 mod caches;
 mod clock_tree;
 pub(super) mod port;
-mod sectors;
+pub(super) mod sectors;
 mod serial;
 
 use controller::boards::{ExternalClock, Port};
@@ -17,8 +17,8 @@ use controller::supervisor::start::{ResetFlags, reason_of_flags};
 use link::Target;
 pub(super) use stm32h7::stm32h743v as pac;
 
+pub(super) use super::stm32::Sectors;
 pub use super::stm32::{Light, Watchdog};
-pub(super) use sectors::Sectors;
 pub use serial::Receiver;
 pub(super) use serial::{Inbox, Transmitter};
 

@@ -8,80 +8,44 @@
 //!
 //! A flash word has 32 bytes and an error correction code. It is programmed once between two
 //! erasures. A word whose programming was interrupted can fail the correction, and reading it is a
-//! bus error. So [`Sectors::is_readable`] reads with bus errors masked, before anything else does.
+//! bus error. So [`is_readable`] reads with bus errors masked, before anything else does.
 //!
 //! The code is in bank 1, so the core runs while bank 2 is erased (at most 2 s, data sheet DS12110)
 //! or programmed. A model of a package is in bank 2 and could not be read meanwhile. So flash is
-//! written only while no run is on ([`controller::store::SlotMemory::stalls_the_core`]). Interrupts
-//! wait during an erasure, as they do on the STM32F405: the supervisor would miss the link service.
-//! The watchdog lasts longer.
+//! written only while no run is on ([`controller::store::SlotMemory::stalls_the_core`]).
 
 use stm32h7::stm32h743v::{FLASH, flash};
 
-use controller::store::controller::{FlashError, FlashPort, Status, erase, program};
+use controller::store::controller::{FlashPort, Status};
 
 use super::caches;
 
-const SECTOR_BYTES: usize = 128 * 1024;
-const BANK_START: usize = 0x0810_0000;
+/// Start of bank 2.
+pub(in crate::boards) const ORIGIN: usize = 0x0810_0000;
+/// First sector for the configuration.
+pub(in crate::boards) const CONFIGURATION: u8 = 4;
+/// First sector for the models.
+pub(in crate::boards) const MODELS: u8 = 6;
+/// True if a word must not be programmed twice.
+pub(in crate::boards) const IS_WRITE_ONCE: bool = true;
+const WORD_LENGTH: usize = 32;
 /// Operations use 64 bits at a time: the fastest.
 const PARALLELISM: u8 = 3;
 
-/// Two adjacent sectors.
-#[derive(Debug)]
-pub(in crate::boards) struct Sectors {
-    first: u8,
-}
-
-impl Sectors {
-    /// Length of a flash word, bytes.
-    pub(in crate::boards) const WORD_LENGTH: usize = 32;
-    /// True if a word must not be programmed twice.
-    pub(in crate::boards) const IS_WRITE_ONCE: bool = true;
-
-    pub(in crate::boards) const CONFIGURATION: Self = Self { first: 4 };
-    pub(in crate::boards) const MODELS: Self = Self { first: 6 };
-
-    pub(in crate::boards) const fn start(&self) -> usize {
-        BANK_START.wrapping_add((self.first as usize).wrapping_mul(SECTOR_BYTES))
-    }
-
-    pub(in crate::boards) const fn length(&self) -> usize {
-        2 * SECTOR_BYTES
-    }
-
-    /// Decides whether every flash word of a range can be read. Interrupts wait meanwhile.
-    pub(in crate::boards) fn is_readable(&self, start: usize, length: usize) -> bool {
-        let first = start - start % Self::WORD_LENGTH;
-        let end = start.saturating_add(length);
-        Port.clear_errors();
-        let is_read = caches::read_masked((first..end).step_by(Self::WORD_LENGTH));
-        let is_corrected = !registers().sr().read().dbeccerr().bit_is_set();
-        Port.clear_errors();
-        is_read && is_corrected
-    }
-
-    /// Erases complete sectors.
-    pub(in crate::boards) fn erase(&mut self, start: usize, length: usize) -> Result<(), FlashError> {
-        let offset = start.checked_sub(self.start()).ok_or(FlashError::OutOfBounds)?;
-        if !offset.is_multiple_of(SECTOR_BYTES) || !length.is_multiple_of(SECTOR_BYTES) {
-            return Err(FlashError::NotAligned);
-        }
-        let [from, count] = [offset / SECTOR_BYTES, length / SECTOR_BYTES].map(|number| number as u8);
-        let first = self.first.saturating_add(from);
-        (first..first.saturating_add(count))
-            .try_for_each(|sector| cortex_m::interrupt::free(|_| erase(&mut Port, sector)))
-    }
-
-    /// Programs flash words.
-    pub(in crate::boards) fn program(&mut self, address: usize, bytes: &[u8]) -> Result<(), FlashError> {
-        program(&mut Port, address as u32, bytes)
-    }
+/// Decides whether every flash word of a range can be read.
+pub(in crate::boards) fn is_readable(start: usize, length: usize) -> bool {
+    let first = start - start % WORD_LENGTH;
+    let end = start.saturating_add(length);
+    Port.clear_errors();
+    let is_read = caches::read_masked((first..end).step_by(WORD_LENGTH));
+    let is_corrected = !registers().sr().read().dbeccerr().bit_is_set();
+    Port.clear_errors();
+    is_read && is_corrected
 }
 
 /// The controller of flash bank 2. Only `idle` writes flash, one operation at a time. The clock
 /// tree has set the wait states before.
-struct Port;
+pub(in crate::boards) struct Port;
 
 fn registers() -> &'static flash::BANK {
     #[expect(unsafe_code, reason = "see `Port`: no other code uses these registers")]
@@ -97,7 +61,7 @@ const ERRORS: u32 = 0x006E_0000;
 const OTHER_FLAGS: u32 = 0x0781_0000;
 
 impl FlashPort for Port {
-    const WORD_LENGTH: usize = Sectors::WORD_LENGTH;
+    const WORD_LENGTH: usize = WORD_LENGTH;
 
     fn status(&self) -> Status {
         let status = registers().sr().read();

@@ -76,7 +76,7 @@ fn changing(package: &SignedManifest) -> [Command; 6] {
 }
 
 #[test]
-fn commands_without_a_valid_tag_change_nothing_and_questions_are_answered() {
+fn commands_without_a_valid_tag_change_nothing_and_those_that_only_read_are_answered() {
     let mut start = guarded(blank(), blank());
     let package = Package::new(BearingMaterial::Babbitt, 9).signed;
     let wrong = LinkKey::new([8; 32]);
@@ -98,7 +98,7 @@ fn commands_without_a_valid_tag_change_nothing_and_questions_are_answered() {
         assert_eq!(start.order(Command::GetConfiguration), Answer::Configuration(None));
         assert!(matches!(start.order(Command::GetCounters), Answer::Counters(_)));
     }
-    assert_eq!(start.hello().last_command, 0, "questions use up no number of a command");
+    assert_eq!(start.hello().last_command, 0, "commands that only read use up no number");
 }
 
 #[test]
