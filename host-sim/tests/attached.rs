@@ -232,3 +232,13 @@ fn without_its_key_a_controller_can_be_asked_but_not_commanded() {
     let mut host = AttachedController::open_with(&twin.port, TIMEOUTS).unwrap().with_key(Some(KEY));
     host.configure(CONFIGURATION).unwrap();
 }
+
+#[test]
+fn a_key_for_a_controller_that_requires_none_is_refused_before_a_command_is_sent() {
+    let twin = Twin::start(vec![], 1);
+    let mut host = AttachedController::open_with(&twin.port, TIMEOUTS).unwrap().with_key(Some(KEY));
+    let error = host.configure(CONFIGURATION).unwrap_err();
+    assert!(matches!(error, ControllerError::NeedlessKey), "{error:?}");
+    assert!(error.to_string().contains("--link-key"), "{error}");
+    host.order(Command::GetCounters).unwrap();
+}
