@@ -43,6 +43,10 @@ fn main() -> Result<()> {
     if env::var("TARGET")?.starts_with("thumbv8m.main") {
         println!("cargo::rustc-cfg=stack_limit_register");
     }
+    if env::var_os("CARGO_FEATURE_ON_TARGET").is_some() {
+        // The test harness compiles its tests only then.
+        println!("cargo::rustc-cfg=test");
+    }
     link(board, &root, &out)?;
     name_build(&root);
     Ok(())

@@ -84,6 +84,12 @@ impl Firmware {
         copy(&image, "estimator-provoke")
     }
 
+    /// Builds the tests that run on a board.
+    pub(crate) fn build_tests(&self) -> Result<PathBuf, ChoreError> {
+        let image = self.compile_binary("on_target", &["on-target"], &[])?;
+        copy(&image, &format!("on-target-{}", self.0.name))
+    }
+
     /// Builds the image with the sizes of its stack frames, in a separate folder. The code is the
     /// same.
     pub(crate) fn build_with_stack_sizes(&self) -> Result<PathBuf, ChoreError> {
@@ -95,11 +101,23 @@ impl Firmware {
         )
     }
 
+    /// Compiles the estimator and seals its code.
     fn compile(&self, features: &[&str], variables: &[(&str, &str)]) -> Result<PathBuf, ChoreError> {
+        let image = self.compile_binary("estimator", features, variables)?;
+        crate::seal::seal(&image, self.0.microcontroller.is_emulated_only())?;
+        Ok(image)
+    }
+
+    fn compile_binary(
+        &self,
+        binary: &str,
+        features: &[&str],
+        variables: &[(&str, &str)],
+    ) -> Result<PathBuf, ChoreError> {
         let microcontroller = self.0.microcontroller;
         let toolchain = setup::target(microcontroller.target)?;
         let mut command = crate::compile::build(&toolchain, microcontroller.target, root())?;
-        command.args(["--profile", "firmware", "--package", "firmware", "--bin", "estimator", "--features"]);
+        command.args(["--profile", "firmware", "--package", "firmware", "--bin", binary, "--features"]);
         command.arg([&[microcontroller.feature], features].concat().join(","));
         // Without it defmt omits every line but errors.
         command.env("DEFMT_LOG", "info");
@@ -107,9 +125,8 @@ impl Firmware {
         run(&mut command)?;
         let folder = variables.iter().find(|(name, _)| *name == "CARGO_TARGET_DIR");
         let folder = folder.map_or_else(target_folder, |(_, folder)| PathBuf::from(folder));
-        let image = folder.join(microcontroller.target).join("firmware/estimator");
+        let image = folder.join(microcontroller.target).join("firmware").join(binary);
         crate::memory_map::check(&image, &microcontroller.memory_map)?;
-        crate::seal::seal(&image, microcontroller.is_emulated_only())?;
         Ok(image)
     }
 }

@@ -24,6 +24,7 @@ mod kernels;
 mod language;
 mod memory_map;
 mod miri;
+mod on_target;
 mod published_faults;
 mod python;
 mod readme;
@@ -132,17 +133,6 @@ enum Command {
         #[arg(long, value_name = "ELF", conflicts_with = "json")]
         image: Option<PathBuf>,
     },
-    /// Build the firmware image and write it to a board, or check what would be written.
-    Flash(flash::FlashArgs),
-    /// Report the static bound and the emulated high-water mark of the stack.
-    Stack {
-        /// Name of the board; only the image of the default one is run.
-        #[arg(long, default_value = "stm32f405", value_parser = firmware::parse_board)]
-        board: firmware::Firmware,
-        /// Print as JSON.
-        #[arg(long)]
-        json: bool,
-    },
     /// Halve and double the tuned constants of the diagnosis, and record the tests that fail.
     ///
     /// Takes about a minute for each constant. A stopped run continues.
@@ -163,16 +153,9 @@ enum Command {
     /// Build the release archive: programs, firmware, completions, manual pages, documents. Needs
     /// `PINTLE_MODEL_KEY`.
     Archive,
-    /// Report flash, RAM and stack of the image, and whether it contains a reachable panic.
-    Size {
-        /// Name of the board.
-        #[arg(long, default_value = "stm32f405", value_parser = firmware::parse_board)]
-        board: firmware::Firmware,
-        /// Print as JSON.
-        #[arg(long)]
-        json: bool,
-    },
     /// Campaigns and programs of the tests.
+    #[command(flatten)]
+    Board(BoardCommand),
     #[command(flatten)]
     Campaign(Campaign),
 }
@@ -210,6 +193,33 @@ enum Campaign {
     },
 }
 
+/// Commands about one board.
+#[derive(Subcommand)]
+enum BoardCommand {
+    /// Build the firmware image and write it to a board, or check what would be written.
+    Flash(flash::FlashArgs),
+    /// Run the tests that need a board, through a probe; without one, only build them.
+    OnTarget(on_target::OnTargetArgs),
+    /// Report the static bound and the emulated high-water mark of the stack.
+    Stack {
+        /// Name of the board; only the image of the default one is run.
+        #[arg(long, default_value = "stm32f405", value_parser = firmware::parse_board)]
+        board: firmware::Firmware,
+        /// Print as JSON.
+        #[arg(long)]
+        json: bool,
+    },
+    /// Report flash, RAM and stack of the image, and whether it contains a reachable panic.
+    Size {
+        /// Name of the board.
+        #[arg(long, default_value = "stm32f405", value_parser = firmware::parse_board)]
+        board: firmware::Firmware,
+        /// Print as JSON.
+        #[arg(long)]
+        json: bool,
+    },
+}
+
 fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Setup => setup::setup().map(|_| ()),
@@ -230,15 +240,23 @@ fn main() -> ExitCode {
         Command::Cycles { json, image } => {
             image.map_or_else(|| cycles::cycles(json), |image| cycles::image(&image))
         }
-        Command::Flash(args) => flash::flash(&args),
-        Command::Stack { board, json } => stack::stack(board, json),
         Command::Sensitivity { modules } => sensitivity::sensitivity(&modules),
         Command::Book => book::book().map(|page| print_path(&page)),
         Command::Archive => archive::archive().map(|path| print_path(&path)),
-        Command::Size { board, json } => size::size(board, json),
+        Command::Board(command) => run_board(&command),
         Command::Campaign(campaign) => return exit(run_campaign(&campaign)),
     };
     exit(result.map(|()| ExitCode::SUCCESS))
+}
+
+/// Runs a command about a board.
+fn run_board(command: &BoardCommand) -> Result<(), run::ChoreError> {
+    match command {
+        BoardCommand::Flash(args) => flash::flash(args),
+        BoardCommand::OnTarget(args) => on_target::on_target(args),
+        BoardCommand::Stack { board, json } => stack::stack(*board, *json),
+        BoardCommand::Size { board, json } => size::size(*board, *json),
+    }
 }
 
 /// Runs a campaign and returns the exit code of its program.

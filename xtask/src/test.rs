@@ -5,8 +5,8 @@ use crate::run::{ChoreError, cargo, run, succeeds};
 use crate::tally::Tally;
 use crate::test_programs::{self, Choice};
 use crate::{
-    book, budget, c_check, cycles, firmware, fmu, golden, kernels, language, python, readme, setup, verify,
-    workspace,
+    book, budget, c_check, cycles, firmware, fmu, golden, kernels, language, on_target, python, readme,
+    setup, verify, workspace,
 };
 use std::time::Instant;
 
@@ -88,6 +88,7 @@ fn checks() -> Result<Vec<String>, ChoreError> {
     skipped.extend(fmu::check()?);
     skipped.extend(python::check()?);
     skipped.extend(book::check()?);
+    on_target::emulated()?;
     for (figures, comparison) in [
         ("instruction counts", golden::check()?),
         ("cycles", cycles::check()?),

@@ -100,8 +100,8 @@ fn the_log_is_found_where_the_image_says_and_reads_as_text() {
     let stale = memory.len() - 4096;
     memory.copy_within(block..block + 16, stale);
     let (lines, error) = followed(folder.path(), &memory);
-    let [line] = &lines[..] else { panic!("{lines:?}, {error}") };
-    assert!(line.ends_with("started, core at 168000000 Hz"), "{line}");
+    let [line, ..] = &lines[..] else { panic!("{lines:?}, {error}") };
+    assert!(line.contains("; core at 168000000 Hz from "), "{line}");
     // The fake does not accept the new read position.
     assert!(error.starts_with("reading the log: "), "{error}");
 

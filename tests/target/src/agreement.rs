@@ -12,7 +12,11 @@ use inference::{Causal, Convolution, Head, LayerInput, Pad, Same, Streaming, Win
 pub struct Digest(pub u64);
 
 impl Digest {
-    fn add(&mut self, value: i64) {
+    /// Digest of nothing.
+    pub const EMPTY: Self = Self(0xcbf2_9ce4_8422_2325);
+
+    /// Adds an integer.
+    pub fn add(&mut self, value: i64) {
         for byte in value.to_le_bytes() {
             self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
         }
@@ -95,7 +99,7 @@ fn network<E: Engine, A: LayerInput, D: Pad>(
 
 /// Computes the digest with one engine; `None` if the parameters could not be set up.
 pub fn digest<E: Engine>(mut seed: u64, room: &mut Room) -> Option<Digest> {
-    let mut all = Digest(0xcbf2_9ce4_8422_2325);
+    let mut all = Digest::EMPTY;
     let (seed, digest) = (&mut seed, &mut all);
     shapes! { layer (&mut *seed, &mut *digest, &mut *room)
         i16 => i16, Wide, 6, 16, 5;

@@ -6,3 +6,4 @@ mod anything;
 mod flags;
 mod impacts;
 mod run;
+mod ticks;
