@@ -9,7 +9,7 @@ use crate::start::{StackReport, StartReport};
 pub const MAGIC: [u8; 4] = *b"PNTL";
 
 /// Version of the messages. Host and controller must agree; the host refuses any other.
-pub const PROTOCOL_VERSION: u8 = 7;
+pub const PROTOCOL_VERSION: u8 = 8;
 
 /// Length of the build's name in a [`Hello`], in bytes.
 pub const BUILD_ID_LEN: usize = 32;

@@ -27,6 +27,7 @@ mod hello;
 mod impact;
 mod message;
 mod sample;
+mod sampling;
 pub mod start;
 pub mod track;
 pub mod update;
@@ -49,6 +50,7 @@ pub use message::{
     ToController, ToHost,
 };
 pub use sample::{EstimateFrame, EstimateLayout, NumberedEstimate, SensorFrame, VALUES};
+pub use sampling::SamplingReport;
 pub use wiring::{InputRange, Wiring, WiringField};
 
 /// Compiles the examples of the README.

@@ -17,7 +17,7 @@ use crate::track::{SensorHealth, SensorStatus, TrackReport};
 use crate::update::{UpdateAnswer, UpdateRequest, UpdateStatus};
 use crate::{
     BlockSummary, Configured, ControllerConfiguration, Counters, EstimateLayout, Hello, ImpactRecord,
-    NumberedEstimate, Reasons, SensorFrame, State,
+    NumberedEstimate, Reasons, SamplingReport, SensorFrame, State,
 };
 
 /// Message from the host.
@@ -191,11 +191,13 @@ pub enum ReportKind {
     Estimate,
     /// [`SlowReport::Sample`]; only from a controller with sensors.
     Sample,
+    /// [`SlowReport::Sampling`]; only from a controller whose samples a timer triggers.
+    Sampling,
 }
 
 impl ReportKind {
     /// All kinds, in order.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Track,
         Self::Sensors,
         Self::Counters,
@@ -203,6 +205,7 @@ impl ReportKind {
         Self::Models,
         Self::Estimate,
         Self::Sample,
+        Self::Sampling,
     ];
 }
 
@@ -224,6 +227,8 @@ pub enum SlowReport {
     Estimate(EstimateLayout),
     /// Last sample of the controller's own sensors, before calibration.
     Sample(SensorFrame),
+    /// Timing of the controller's own samples.
+    Sampling(SamplingReport),
 }
 
 /// Reason why a frame was not served.

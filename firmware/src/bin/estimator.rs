@@ -2,8 +2,10 @@
 //!
 //! Tasks and their priorities:
 //!
-//! * `tick`, 2: SysTick. Reviews the check-ins and kicks the watchdog. Paced by the timer,
-//!   it takes a sample, estimates and queues the estimate.
+//! * `sampled`, 3: end of a sample that hardware takes. Stamps the sample and starts `tick`. No
+//!   task and no lock masks it.
+//! * `tick`, 2: SysTick. Reviews the check-ins and kicks the watchdog. Paced by a timer, it takes a
+//!   sample, estimates and queues the estimate.
 //! * `received`, 1: serial port. Counts receive errors; without DMA it also stores the received
 //!   bytes.
 //! * `idle`, 0: link service over the serial port and a debug probe, or over files of the host.
@@ -25,19 +27,21 @@ fn main() {
 #[rtic::app(device = firmware::boards::device, peripherals = true)]
 mod app {
     use controller::Session;
+    use controller::sensors::Collected;
     use controller::service::{
         Background, LINK_KEY, LinkService, Pacing, Ports, SharedSession, Stop, Stores, Tick, Unconnected,
     };
-    use controller::session::Identity;
+    use controller::session::{Identity, OwnSampling};
     use controller::store::key;
     use controller::supervisor::light::{lit, shown};
     use controller::supervisor::{Attendance, Party, Verdict};
+    use cortex_m::peripheral::SCB;
     use firmware::boards::{
-        BOARD, Board, Files, Light, Link, Memory, PACKAGES_FOR, Pacer, Platform, Probe, Receiver, Sensors,
-        SerialTransport, Storage, Timer, Watchdog, check_in, code_check, give_up, leave, receive, stack_mark,
-        start,
+        BOARD, Board, COLLECTED, Collector, Files, Light, Link, Memory, PACKAGES_FOR, Pacer, Platform, Probe,
+        Receiver, Sensors, SerialTransport, Storage, Timer, Watchdog, check_in, code_check, give_up, leave,
+        postpone, receive, stack_mark, start, started, uptime_us,
     };
-    use heapless::spsc::{Producer, Queue};
+    use heapless::spsc::{Consumer, Producer, Queue};
     use link::Target;
     use link::start::{FaultKind, MISSING_SELF_TEST, StartReport};
 
@@ -61,6 +65,9 @@ mod app {
         pacer: Pacer,
         receiver: Receiver,
         bytes_in: Producer<'static, u8>,
+        collector: Collector,
+        samples_in: Producer<'static, Collected>,
+        samples: Consumer<'static, Collected>,
         watchdog: Watchdog,
         light: Light,
         start: StartReport,
@@ -79,6 +86,7 @@ mod app {
         #[expect(unsafe_code, reason = "the campaign of faults looks for the symbol's name")]
         #[unsafe(export_name = "PINTLE_RECEIVED_BYTES")]
         byte_queue: Queue<u8, BYTES> = Queue::new(),
+        sample_queue: Queue<Collected, COLLECTED> = Queue::new(),
     ])]
     fn init(cx: init::Context) -> (Shared, Local) {
         let Board {
@@ -94,8 +102,10 @@ mod app {
             attendance,
             storage,
             sensors,
+            collector,
         } = start(cx.core, cx.device);
         let (bytes_in, bytes) = cx.local.byte_queue.split();
+        let (samples_in, samples) = cx.local.sample_queue.split();
         let (pacing, transports) = match link {
             Link::Files(files) => (Pacing::Lockstep, Transports::Files(Ports::new(files, Unconnected))),
             Link::Serial(transmitter, probe) => {
@@ -106,7 +116,13 @@ mod app {
         let mut session = Session::new(identity);
         session.set_start_report(start);
         let can_sample = pacing == Pacing::Timer && sensors.is_some();
-        session.set_shortest_period(can_sample.then(|| shortest_period_us(&identity)));
+        let input_interval_ns = pacer.sample_clock().map_or(0, |clock| clock.report().input_interval_ns);
+        session.set_own_sampling(
+            can_sample.then(|| OwnSampling {
+                shortest_period_us: shortest_period_us(&identity),
+                input_interval_ns,
+            }),
+        );
         let Storage { slots, places } = storage;
         let (stores, models) = Stores::start(slots, places, PACKAGES_FOR, key::KEYS);
         session.switch_models(models);
@@ -119,7 +135,7 @@ mod app {
         // estimate.
         check_in(&attendance, Party::Link);
         check_in(&attendance, Party::SelfTest);
-        defmt::info!("started, core at {=u32} Hz", identity.core_hz);
+        started(&start, &identity, can_sample);
         (
             Shared { exchange: SharedSession::new(session, sensors), attendance },
             Local {
@@ -130,6 +146,9 @@ mod app {
                 pacer,
                 receiver,
                 bytes_in,
+                collector,
+                samples_in,
+                samples,
                 watchdog,
                 light,
                 start,
@@ -144,15 +163,27 @@ mod app {
         receive(cx.local.receiver, cx.local.bytes_in);
     }
 
-    /// Runs the supervisor's review and, paced by the timer, one sample period.
+    /// Takes the words of a sample and starts the tick. Without room the tick is late by several
+    /// periods; the sample is then missing in the numbers and counted.
+    #[task(binds = SAMPLED, priority = 3, local = [collector, samples_in])]
+    fn sampled(cx: sampled::Context) {
+        if let Some(collected) = cx.local.collector.collect() {
+            let _ = cx.local.samples_in.enqueue(collected);
+            postpone();
+            SCB::set_pendst();
+        }
+    }
+
+    /// Runs the supervisor's review and, paced by a timer, one sample period.
     #[task(
         binds = SysTick,
         priority = 2,
-        local = [tick_timer, pacer, watchdog, light, start, pacing],
+        local = [tick_timer, pacer, samples, watchdog, light, start, pacing],
         shared = [exchange, &attendance]
     )]
     fn tick(mut cx: tick::Context) {
-        let now_us = cx.local.pacer.advance_uptime();
+        let acquired = cx.local.pacer.tick(cx.local.samples);
+        let now_us = uptime_us();
         let attendance = cx.shared.attendance;
         match attendance.review(now_us) {
             Verdict::Kick => cx.local.watchdog.kick(),
@@ -164,7 +195,13 @@ mod app {
                 check_in(attendance, Party::Sampling);
                 let is_paced = cx.local.pacer.set_period(exchange.sample_period_us());
                 let mut timer = cx.local.pacer.timer(*cx.local.tick_timer);
-                match exchange.tick(now_us, is_paced, &mut timer) {
+                if let Some(clock) = cx.local.pacer.sample_clock() {
+                    exchange.note_sampling(clock);
+                }
+                if cx.local.pacer.is_stalled() {
+                    exchange.restart_samples();
+                }
+                match exchange.tick(&acquired, is_paced, &mut timer) {
                     Tick::Sampled => check_in(attendance, Party::Inference),
                     Tick::Idle => attendance.stop_expecting(Party::Inference),
                 }

@@ -22,6 +22,7 @@ mod fault;
 mod guard;
 mod image;
 mod log;
+mod log_text;
 mod memory;
 mod model_memory;
 mod platform;
@@ -41,7 +42,7 @@ mod timer;
 #[cfg_attr(feature = "mps2-an505", path = "mps2_an505/mod.rs")]
 mod microcontroller;
 
-pub use microcontroller::{Light, PACKAGES_FOR, Receiver, Sensors, Watchdog, device, start};
+pub use microcontroller::{Collector, Light, PACKAGES_FOR, Receiver, Sensors, Watchdog, device, start};
 
 #[cfg(feature = "provoke")]
 mod provoke;
@@ -52,6 +53,7 @@ pub use check_in::check_in;
 pub use code::code_check;
 pub use fault::give_up;
 pub use image::BOARD;
+pub use log_text::started;
 pub use memory::stack_mark;
 pub use model_memory::{Memory, Storage};
 pub use platform::Platform;
@@ -59,4 +61,4 @@ pub use rtt::Probe;
 pub use semihosting::{Files, leave};
 pub use serial_transport::{SerialTransport, receive};
 pub use started::{Board, Link};
-pub use timer::{Pacer, Timer};
+pub use timer::{COLLECTED, Pacer, Timer, postpone, uptime_us};

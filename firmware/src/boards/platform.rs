@@ -1,6 +1,6 @@
 //! The board as the link service uses it.
 
-use controller::service;
+use controller::service::{self, LogEvent};
 use controller::supervisor::paint::Mark;
 use controller::supervisor::start::StartWatch;
 use controller::supervisor::{Attendance, Party};
@@ -8,6 +8,7 @@ use link::start::StackReport;
 
 use super::check_in::check_in;
 use super::code::code_word;
+use super::log_text as log;
 use super::memory::{self, stack_used};
 use super::timer::{Timer, uptime_us};
 
@@ -60,7 +61,7 @@ impl service::Platform for Platform<'_> {
         memory::set_start_watch(watch);
     }
 
-    fn log_refused_update(&self, count: u16) {
-        defmt::warn!("request about models refused; packages refused so far: {=u16}", count);
+    fn log(&self, event: &LogEvent) {
+        log::event(event);
     }
 }

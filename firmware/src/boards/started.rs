@@ -1,6 +1,6 @@
 //! The board after its start: its parts and the transport of the link.
 
-use super::microcontroller::{Inbox, Light, Receiver, Sensors, Transmitter, Watchdog};
+use super::microcontroller::{Collector, Inbox, Light, Receiver, Sensors, Transmitter, Watchdog};
 use super::model_memory::Storage;
 use super::rtt::Probe;
 use super::semihosting::Files;
@@ -10,7 +10,7 @@ use super::timer::{Pacer, Timer};
 pub enum Link {
     /// Files of the host, in lockstep: each sample frame is a tick.
     Files(Files),
-    /// Serial port and debug probe, paced by SysTick.
+    /// Serial port and debug probe, paced by a timer.
     Serial(Transmitter, Probe),
 }
 
@@ -40,4 +40,6 @@ pub struct Board {
     pub storage: Storage,
     /// Sensors, if the board has any.
     pub sensors: Option<Sensors>,
+    /// Samples for the interrupt at their end.
+    pub collector: Collector,
 }

@@ -6,7 +6,8 @@ use link::start::{FaultKind, KeptConfiguration, PARTIES, ResetReason, Supervisor
 use link::track::{FrictionState, SafeState, TrackReport, Wear};
 use link::update::{ModelMemory, ModelSource, SlotState, UpdateStatus};
 use link::{
-    ClockSource, ControllerConfiguration, Counters, EstimateFrame, Hello, SensorFrame, State, Target,
+    ClockSource, ControllerConfiguration, Counters, EstimateFrame, Hello, SamplingReport, SensorFrame, State,
+    Target,
 };
 
 pub(crate) fn target(target: Target) -> &'static str {
@@ -271,6 +272,20 @@ pub(crate) fn live(estimate: &EstimateFrame, counters: &Counters, track: Option<
     )
 }
 
+/// Timing of the controller's own samples.
+pub(crate) fn sampling(report: &SamplingReport) -> Vec<(&'static str, String)> {
+    let SamplingReport { lost, halts, halted_us, early_ns, late_ns, input_interval_ns } = *report;
+    let us = |ns: u32| f64::from(ns) * 1e-3;
+    vec![
+        (
+            "samples lost",
+            format!("{lost}; the core was halted {halts} times, {} s in all", seconds(halted_us)),
+        ),
+        ("sampling jitter", format!("at most {:.2} us early, {:.2} us late", us(early_ns), us(late_ns))),
+        ("probe interval", format!("{:.2} us, taken into account", us(input_interval_ns))),
+    ]
+}
+
 /// The configuration in one line.
 pub(crate) fn configuration(configuration: Option<&ControllerConfiguration>) -> String {
     let Some(ControllerConfiguration { bench, limits, monitor, .. }) = configuration else {
@@ -327,6 +342,25 @@ mod tests {
     use super::*;
     use link::start::Presence;
     use link::update::{RefusedPackage, UpdateRefusal};
+
+    #[test]
+    fn the_timing_of_samples_is_in_microseconds() {
+        let report = SamplingReport {
+            lost: 3,
+            halts: 1,
+            halted_us: 900,
+            early_ns: 60,
+            late_ns: 1_190,
+            input_interval_ns: 9_262,
+        };
+        let text: Vec<_> = sampling(&report).into_iter().map(|(_, text)| text).collect();
+        let expected = [
+            "3; the core was halted 1 times, 0.0009 s in all",
+            "at most 0.06 us early, 1.19 us late",
+            "9.26 us, taken into account",
+        ];
+        assert_eq!(text, expected);
+    }
 
     #[test]
     fn alarms_stand_in_what_is_tracked_and_in_every_line_of_a_run() {

@@ -7,7 +7,8 @@ use link::start::SupervisorReport;
 use link::track::TrackReport;
 use link::update::{UpdateAnswer, UpdateRequest, UpdateStatus};
 use link::{
-    Answer, Command, ControllerConfiguration, Counters, Hello, Refusal, ReportKind, SlowReport, State,
+    Answer, Command, ControllerConfiguration, Counters, Hello, Refusal, ReportKind, SamplingReport,
+    SlowReport, State,
 };
 use serde_json::json;
 
@@ -20,6 +21,8 @@ pub(crate) struct DeviceInfo {
     supervisor: SupervisorReport,
     /// None if no run is active.
     track: Option<TrackReport>,
+    /// None if no timer triggers samples on the controller.
+    sampling: Option<SamplingReport>,
     losses: Losses,
 }
 
@@ -43,6 +46,11 @@ impl DeviceInfo {
             other => return Err(unexpected(&other)),
         };
         let track = track(controller)?;
+        let sampling = match optional_report(controller.order(Command::GetReport(ReportKind::Sampling)))? {
+            Some(SlowReport::Sampling(sampling)) => Some(sampling),
+            None => None,
+            Some(other) => return Err(unexpected(&other)),
+        };
         // Last, so that it contains the newest state.
         let hello = controller.identify()?;
         Ok(Self {
@@ -52,6 +60,7 @@ impl DeviceInfo {
             models,
             supervisor,
             track,
+            sampling,
             losses: controller.link_state().1,
         })
     }
@@ -77,6 +86,7 @@ impl DeviceInfo {
             "model_store": self.models,
             "supervisor": self.supervisor,
             "track": self.track,
+            "sampling": self.sampling,
             "configuration_crc": format!("{:08x}", hello.configuration_crc),
             "configuration": self.configuration,
             "counters": self.counters,
@@ -87,11 +97,13 @@ impl DeviceInfo {
     /// Prints the info, one line per item.
     pub(crate) fn print(&self) {
         let track = self.track.as_ref().map(describe::track).unwrap_or_default();
+        let sampling = self.sampling.as_ref().map(describe::sampling).unwrap_or_default();
         let lines = describe::identity(&self.hello, &self.models)
             .into_iter()
             .chain(describe::slots(&self.models))
             .chain(describe::supervisor(&self.supervisor))
-            .chain(track);
+            .chain(track)
+            .chain(sampling);
         for (name, text) in lines {
             print_line!("{name:<16} {text}");
         }

@@ -130,7 +130,7 @@ static STM32H743: Microcontroller = Microcontroller {
     feature: "stm32h743",
     target: "thumbv7em-none-eabihf",
     // FLASH is bank 1; bank 2 holds what is written at run time. Stack and statics are in the data
-    // TCM, which has no wait states. DMA1 cannot reach it: its buffer is in SRAM1 of domain D2.
+    // TCM, which has no wait states. DMA cannot reach it: its buffers are in SRAM1 of domain D2.
     memory_map: MemoryMap {
         path: "crates/controller/src/boards/table.rs",
         text: "
@@ -149,8 +149,9 @@ SECTIONS
   .dma (NOLOAD) : { *(.dma .dma.*) } > DMA
 }
 INSERT AFTER .uninit;
-/* The interrupt of the link's serial port has the same name on every board. */
+/* The interrupts have the same names on every board. */
 USART3 = SERIAL;
+DMA2_STR3 = SAMPLED;
 ",
     },
     flash_sectors: &[
@@ -193,7 +194,7 @@ _stack_start = ORIGIN(STACK) + LENGTH(STACK);
     flash_sectors: &[],
     handler_cycles: None,
     probe_name: None,
-    declared_interrupts: &["SERIAL"],
+    declared_interrupts: &["SERIAL", "SAMPLED"],
     signals: None,
 };
 

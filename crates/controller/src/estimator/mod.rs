@@ -30,7 +30,7 @@ pub(crate) use plausibility::{Limits, Plausibility, SwingLimit};
 pub(crate) use setup::bench_ranges;
 pub use setup::{SAMPLE_PERIOD_RANGE_US, filter_configuration};
 
-use crate::filter::{FilterEstimate, FilterState, Measurement, NetworkForces};
+use crate::filter::{FilterEstimate, FilterState, Measurement, NetworkForces, Skew};
 use crate::flags::{
     CONVERGING, IMPLAUSIBLE_POSITION, JUMP, MODEL_MISFIT, NETWORK_OUTSIDE_LAW, NOT_STARTED, SENSOR_MISSING,
     SENSOR_SATURATED, SEQUENCE_GAP, STUCK, TIME_FAULT,
@@ -137,6 +137,11 @@ impl Estimator {
     pub(crate) fn switch(&mut self, model: Model<'static>) {
         self.setup.set_model(&model);
         self.pair.switch(model);
+    }
+
+    /// Sets the time between the samples of the probes.
+    pub(crate) const fn set_skew(&mut self, skew: Skew) {
+        self.setup.filter.set_skew(skew);
     }
 
     /// Takes one sample and estimates. The tick count of the result is 0; a caller that can

@@ -20,11 +20,13 @@ mod model;
 mod motion;
 mod noise_levels;
 mod ratios;
+mod skew;
 mod state;
 
 pub use configuration::{FilterConfiguration, FilterError, SensorNoise, Uncertainty};
 pub use estimate::FilterEstimate;
 pub use measurement::Measurement;
+pub use skew::Skew;
 
 use crate::integrity::{Checksum, Words};
 pub(crate) use model::NetworkForces;
@@ -70,6 +72,11 @@ impl FilterModel {
     pub(crate) fn new(config: &FilterConfiguration) -> Result<Self, FilterError> {
         config.check()?;
         Ok(Self(BenchModel::new(config)))
+    }
+
+    /// Sets the time between the samples of the probes; 0 at the start.
+    pub(crate) const fn set_skew(&mut self, skew: Skew) {
+        self.0.set_skew(skew);
     }
 
     /// Takes one sample and estimates. A sample with a missing value (not a number) is only
@@ -121,6 +128,11 @@ impl Filter {
     /// A value of the configuration is out of range.
     pub fn new(config: &FilterConfiguration) -> Result<Self, FilterError> {
         Ok(Self { model: FilterModel::new(config)?, state: FilterState::default() })
+    }
+
+    /// Sets the time between the samples of the probes; 0 at the start.
+    pub const fn set_skew(&mut self, skew: Skew) {
+        self.model.set_skew(skew);
     }
 
     /// Takes one sample and estimates. A sample with a missing value (not a number) is only

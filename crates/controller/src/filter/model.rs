@@ -9,6 +9,7 @@ use super::measurement::Measurement;
 use super::motion::{Dynamics, Evaluated, Inputs};
 use super::noise_levels::NoiseLevels;
 use super::ratios::Ratios;
+use super::skew::Skew;
 use super::state::{Bias, CLEARANCE, Covariance, DAMPING, FRICTION, MASS, Motion, RESIDUAL, STIFFNESS};
 use crate::integrity::words;
 use micromath::F32Ext;
@@ -109,8 +110,9 @@ pub(super) struct BenchModel {
     dynamics: Dynamics,
     drive: DriveModel,
     levels: NoiseLevels,
+    skew: Skew,
 }
-words!(BenchModel { config, dynamics, drive, levels });
+words!(BenchModel { config, dynamics, drive, levels, skew });
 
 impl BenchModel {
     /// Derives the constants from a configuration that has been checked.
@@ -120,7 +122,13 @@ impl BenchModel {
             dynamics: Dynamics::new(config),
             drive: DriveModel::new(config),
             levels: NoiseLevels::new(config),
+            skew: Skew::default(),
         }
+    }
+
+    /// Sets the time between the samples of the probes.
+    pub(super) const fn set_skew(&mut self, skew: Skew) {
+        self.skew = skew;
     }
 
     /// Takes over the forces of the networks at the last estimate, in N, or the law without them.
@@ -222,6 +230,7 @@ impl BenchModel {
         if measured.is_complete() {
             state.missed = 0;
             state.load = measured.load_force_n;
+            let measured = &self.skew.removed_from(measured, &state.motion);
             state.drive.correct(&self.drive, self.displacement(measured));
             self.correct(state, measured);
             if state.innovation > MAX_INNOVATION {

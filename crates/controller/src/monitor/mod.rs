@@ -23,6 +23,7 @@ pub use limits::ranges;
 
 use crate::Estimator;
 use crate::estimator::{Limits, SwingLimit, flags_of};
+use crate::filter::Skew;
 use crate::flags::{
     CONVERGING, DISTRUSTED, IMPLAUSIBLE_POSITION, IMPLAUSIBLE_SWING, MODEL_MISFIT, NETWORK_FAULT,
     NETWORK_OUTSIDE_LAW, SENSOR_FAULT, SEQUENCE_GAP, TIME_FAULT,
@@ -157,6 +158,11 @@ impl Monitor {
     /// Continues with another model of the same bearing from the next sample on.
     pub(crate) fn switch(&mut self, model: Model<'static>) {
         self.estimator.switch(model);
+    }
+
+    /// Sets the time between the samples of the probes.
+    pub(crate) const fn set_skew(&mut self, skew: Skew) {
+        self.estimator.set_skew(skew);
     }
 
     /// The tracked clearance and friction level, and the safe state.

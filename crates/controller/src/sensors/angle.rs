@@ -3,10 +3,9 @@
 //! A step has 16 fraction bits of a nanoradian. After a thousand revolutions in one direction the
 //! angle is off by 8 urad at most.
 
-use embedded_hal::spi::SpiDevice;
-
-use super::absolute::STEPS;
-use super::{As5047p, Incremental, QuadratureCounter, SensorFault};
+use super::absolute::{STEPS, angle_steps};
+use super::sequence::EncoderAnswers;
+use super::{Incremental, QuadratureCounter, SensorFault};
 
 const BITS: u32 = 16;
 /// A revolution, nrad times 2^16: `2 pi 1e9 2^16`.
@@ -14,37 +13,30 @@ const REVOLUTION: u64 = 411_774_832_291_321;
 
 /// Encoder of either kind.
 pub trait AngleSensor {
-    /// Returns the angle in nrad, modulo 2^32, relative to the sensor's zero.
+    /// True if the encoder has frames in the sequence of the bus.
+    const IS_ON_BUS: bool;
+    /// Returns the angle in nrad, modulo 2^32, relative to the sensor's zero. `answers` are those
+    /// of the bus; `None` if the sequence was not completed.
     ///
     /// # Errors
     ///
     /// There is no angle.
-    fn angle_nrad(&mut self) -> Result<i32, SensorFault>;
+    fn angle_nrad(&mut self, answers: Option<&EncoderAnswers>) -> Result<i32, SensorFault>;
 }
 
-/// Absolute encoder, counted across its zero.
-#[derive(Debug)]
-pub struct Absolute<SPI> {
-    encoder: As5047p<SPI>,
+/// Absolute encoder AS5047P, counted across its zero. Its first angle lies within one revolution, 0
+/// to 2 pi.
+#[derive(Clone, Debug, Default)]
+pub struct Absolute {
     last: Option<u16>,
     position: i32,
 }
 
-impl<SPI: SpiDevice> Absolute<SPI> {
-    /// Takes an encoder. Its first angle lies within one revolution, 0 to 2 pi.
-    pub const fn new(encoder: As5047p<SPI>) -> Self {
-        Self { encoder, last: None, position: 0 }
-    }
+impl AngleSensor for Absolute {
+    const IS_ON_BUS: bool = true;
 
-    /// Returns the bus.
-    pub fn release(self) -> SPI {
-        self.encoder.release()
-    }
-}
-
-impl<SPI: SpiDevice> AngleSensor for Absolute<SPI> {
-    fn angle_nrad(&mut self) -> Result<i32, SensorFault> {
-        let step = self.encoder.read()?;
+    fn angle_nrad(&mut self, answers: Option<&EncoderAnswers>) -> Result<i32, SensorFault> {
+        let step = angle_steps(answers.ok_or(SensorFault::Bus)?)?;
         let last = self.last.replace(step);
         // Shorter direction from the last step; 14 bits.
         let turn = |last: u16| i32::from((step.wrapping_sub(last) << 2).cast_signed() >> 2);
@@ -54,7 +46,9 @@ impl<SPI: SpiDevice> AngleSensor for Absolute<SPI> {
 }
 
 impl<COUNTER: QuadratureCounter> AngleSensor for Incremental<COUNTER> {
-    fn angle_nrad(&mut self) -> Result<i32, SensorFault> {
+    const IS_ON_BUS: bool = false;
+
+    fn angle_nrad(&mut self, _answers: Option<&EncoderAnswers>) -> Result<i32, SensorFault> {
         let position = self.read()?;
         Ok(nrad(position, self.counts_per_revolution()))
     }

@@ -21,7 +21,8 @@ const MANUAL: u16 = 0xc000;
 const RESET: u16 = 0x8500;
 const FIRST_RANGE_REGISTER: u8 = 0x05;
 
-/// Converter on its bus.
+/// Converter on its bus, for its configuration. Samples are words of a
+/// [`Sequence`](super::Sequence).
 #[derive(Debug)]
 pub struct Ads8688<SPI> {
     spi: SPI,
@@ -50,30 +51,41 @@ impl<SPI: SpiDevice> Ads8688<SPI> {
                 return Err(SensorFault::NotConfigured);
             }
         }
-        ranges.first().map_or(Ok(()), |(input, _)| self.select(*input).map(|_| ()))
+        ranges.first().map_or(Ok(()), |(input, _)| self.select(*input))
     }
 
-    /// Selects an input for the next frame and returns the result of the one selected before.
+    /// Selects an input for the next frame.
     ///
     /// # Errors
     ///
     /// The bus failed, or the device did not drive its output low during the command.
-    pub fn select(&mut self, next: u8) -> Result<u16, SensorFault> {
-        self.command(MANUAL | u16::from(next % INPUTS) << 10)
+    fn select(&mut self, next: u8) -> Result<(), SensorFault> {
+        let [command, _] = frame_of(next);
+        self.command(command)
     }
 
-    /// Returns the bus.
-    pub fn release(self) -> SPI {
-        self.spi
-    }
-
-    fn command(&mut self, command: u16) -> Result<u16, SensorFault> {
+    fn command(&mut self, command: u16) -> Result<(), SensorFault> {
         let [high, low] = command.to_be_bytes();
         let mut frame = [high, low, 0, 0];
         self.spi.transfer_in_place(&mut frame).map_err(|_| SensorFault::Bus)?;
-        match frame {
-            [0, 0, high, low] => Ok(u16::from_be_bytes([high, low])),
-            _ => Err(SensorFault::NoAnswer),
-        }
+        let [high, low, ..] = frame;
+        if [high, low] == [0, 0] { Ok(()) } else { Err(SensorFault::NoAnswer) }
+    }
+}
+
+/// Returns the words of a conversion frame that selects the input of the next one.
+pub(super) const fn frame_of(next: u8) -> [u16; 2] {
+    [MANUAL | ((next % INPUTS) as u16) << 10, 0]
+}
+
+/// Returns the code in the words that answer a conversion frame.
+///
+/// # Errors
+///
+/// The device did not drive its output low during the command.
+pub(super) const fn code(answer: [u16; 2]) -> Result<u16, SensorFault> {
+    match answer {
+        [0, code] => Ok(code),
+        _ => Err(SensorFault::NoAnswer),
     }
 }

@@ -4,36 +4,43 @@
 //! * Two eddy-current probes at 90 degrees, optionally a third one opposite ([`Ads8688`],
 //!   [`Scale`], [`ProbePair`]). Checked: answer of the bus, rails, codes at the ends, the third
 //!   probe against the first.
-//! * Absolute encoder ([`As5047p`]). Checked: parity, error flag, answer of the bus.
+//! * Absolute encoder ([`Absolute`]). Checked: parity, error flag, answer of the bus.
 //! * Incremental encoder with index ([`Incremental`]). Checked: counts between two passes of the
 //!   index.
 //! * Load pressure, 4 to 20 mA ([`Transmitter`]). Checked: broken wire, short circuit.
 //!
-//! A reading is a value or a named [`SensorFault`]. No fault is replaced by a number silently. Each
-//! sample makes a fixed number of transactions without retries. An SPI controller drives the clock
-//! itself, so a transaction takes a fixed time. A device that does not answer is recognised by what
-//! its data line reads.
+//! A reading is a value or a named [`SensorFault`]. No fault is replaced by a number silently. A
+//! sample is a [`Sequence`] of words without retries, which hardware exchanges at each tick of the
+//! sample timer. A device that does not answer is recognised by what its data line reads.
+//! [`SampleClock`] counts the samples that were lost and measures when they were complete.
 //!
 //! All values are integers: nm, nrad, mN. They resolve a hundredth of a sensor's resolution.
 
 mod absolute;
 mod angle;
+mod bus;
 mod converter;
 mod incremental;
 mod probes;
+mod sample_clock;
 mod sampler;
 mod scale;
+mod sequence;
 mod transmitter;
 
-pub use absolute::As5047p;
 pub use angle::{Absolute, AngleSensor};
+pub use bus::SensorBus;
 pub use converter::Ads8688;
 pub(crate) use converter::INPUTS;
 pub use incremental::{Incremental, QuadratureCounter};
 pub use link::InputRange;
 pub use probes::{Opposite, ProbePair};
+pub use sample_clock::{Acquired, Collected, Completion, Passed, SampleClock};
 pub use sampler::{FaultCounts, LoadInput, Probe, Sampler, Wiring};
 pub use scale::Scale;
+pub use sequence::{
+    Answers, Device, EncoderAnswers, MAX_SLOTS, MAX_WORDS, Schedule, Sequence, Slot, SlotTiming, Word,
+};
 pub use transmitter::Transmitter;
 
 /// Reason why a channel has no value.

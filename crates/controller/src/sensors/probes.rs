@@ -67,6 +67,13 @@ impl ProbePair {
         })
     }
 
+    /// Returns the direction of the second probe, (y, z).
+    #[must_use]
+    pub(crate) fn second_direction(&self) -> [f32; 2] {
+        let [y, z] = self.direction;
+        [z.wrapping_neg(), y].map(|part| part.to_num())
+    }
+
     /// Returns the centre of the journal, (y, z) in nm.
     #[must_use]
     pub(crate) fn centre_nm(&self, gaps_nm: [i32; 2]) -> [i32; 2] {

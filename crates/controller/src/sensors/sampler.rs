@@ -2,8 +2,12 @@
 //!
 //! The inputs of the converter are read in a ring: each frame returns the input selected by the
 //! previous one and selects the next. The last frame selects the first input for the next sample.
-//! So the first input is sampled at the select of the sample's first frame, and the others follow
-//! one frame time apart (3.05 us at 10.5 MHz).
+//! Each input is sampled at the select of its frame. The first probe's instant counts as that of
+//! the sample. The second probe follows two slots later ([`SlotTiming::input_interval_ns`]), which
+//! the filter takes into account. Load and third probe follow later still; the load changes too
+//! slowly for that to matter, and the tolerance of the third probe covers it.
+//!
+//! [`SlotTiming::input_interval_ns`]: super::SlotTiming::input_interval_ns
 //!
 //! A channel without a value keeps its last one in the frame and is marked as missing. A channel at
 //! its rail carries the rail's value and is marked. Two probes make two coordinates: if one has no
@@ -15,16 +19,24 @@
 //! A converter that has not accepted its configuration is configured again instead of being read.
 //! All its channels are missing until then.
 
-use embedded_hal::spi::SpiDevice;
 use link::track::{CHANNELS, SensorChannel, SensorStatus};
 use link::{InputRange, SensorFrame};
 
-use super::{Ads8688, AngleSensor, FAULTS, ProbePair, Scale, SensorFault, Transmitter};
+use super::converter::code;
+use super::sequence::{EncoderAnswers, conversion};
+use super::{
+    Acquired, Ads8688, AngleSensor, Answers, FAULTS, ProbePair, Scale, SensorBus, SensorFault, Sequence,
+    Transmitter,
+};
 
 /// Maximum number of inputs in a sample: two probes, a third one, two transmitters.
-const MAX_INPUTS: usize = 5;
+pub(super) const MAX_INPUTS: usize = 5;
 /// Distance from an end of the range within which a code counts as at the rail.
 const RAIL_CODES: u16 = 16;
+
+/// Samples without any code after which the converter is configured again and the sequence starts
+/// anew: the converter may have lost its supply, or the words their places.
+const MAX_SILENT: u8 = 8;
 
 /// Probe: its input and its scale.
 #[derive(Clone, Copy, Debug)]
@@ -83,10 +95,15 @@ impl FaultCounts {
 
 /// All sensors of a bench.
 #[derive(Debug)]
-pub struct Sampler<SPI, ANGLE> {
-    converter: Ads8688<SPI>,
+pub struct Sampler<BUS, ANGLE> {
+    bus: BUS,
     angle: ANGLE,
     wiring: Wiring,
+    period_us: u32,
+    /// Number of the run of the hardware, and of the inputs in it; `None` before the first one.
+    running: Option<(u32, usize)>,
+    /// Samples since the last one with a code of the converter.
+    silent: u8,
     /// `true` once the converter has accepted its configuration.
     configured: bool,
     /// `true` if the next frame returns the expected input.
@@ -97,14 +114,18 @@ pub struct Sampler<SPI, ANGLE> {
 
 type Code = Result<u16, SensorFault>;
 
-impl<SPI: SpiDevice, ANGLE: AngleSensor> Sampler<SPI, ANGLE> {
-    /// Takes the devices. The first sample configures the converter if [`Self::configure`] has not.
-    pub fn new(converter: Ads8688<SPI>, angle: ANGLE, wiring: Wiring) -> Self {
+impl<BUS: SensorBus, ANGLE: AngleSensor> Sampler<BUS, ANGLE> {
+    /// Takes the devices and the first period of the samples, us. The first sample configures the
+    /// converter if [`Self::configure`] has not.
+    pub fn new(bus: BUS, angle: ANGLE, wiring: Wiring, period_us: u32) -> Self {
         let first = SensorFrame { sequence: u32::MAX, ..SensorFrame::default() };
         Self {
-            converter,
+            bus,
             angle,
             wiring,
+            period_us,
+            running: None,
+            silent: 0,
             configured: false,
             in_step: false,
             frame: first,
@@ -119,7 +140,8 @@ impl<SPI: SpiDevice, ANGLE: AngleSensor> Sampler<SPI, ANGLE> {
         self.in_step = false;
     }
 
-    /// Configures the converter. May be repeated when it does not answer.
+    /// Configures the converter and runs the sequence of the samples, also without an answer: the
+    /// sequence paces the controller. May be repeated.
     ///
     /// # Errors
     ///
@@ -132,19 +154,57 @@ impl<SPI: SpiDevice, ANGLE: AngleSensor> Sampler<SPI, ANGLE> {
         for (range, (input, is_load)) in ranges.iter_mut().zip(inputs) {
             *range = (input, if is_load { self.wiring.load_range } else { self.wiring.probe_range });
         }
-        self.converter.configure(ranges.get(..count).unwrap_or_default())?;
+        let ranges = ranges.get(..count).unwrap_or_default();
+        let configured = Ads8688::new(self.bus.converter()).configure(ranges);
+        self.run();
+        configured?;
         self.configured = true;
         self.in_step = true;
+        self.silent = 0;
         Ok(())
     }
 
-    /// Samples all sensors once. `time_us` is the controller's time of the sample.
-    pub fn sample(&mut self, time_us: u32) -> (SensorFrame, SensorStatus) {
+    /// Runs the sequence anew.
+    pub(crate) fn run(&mut self) {
+        let (_, count) = self.inputs();
+        let run = self.bus.run(&self.sequence(), self.period_us);
+        self.running = Some((run, count));
+        // The sequence before may have been cut.
+        self.in_step = false;
+    }
+
+    /// Changes the period of the samples, us. Returns true if it is that already; if not, the
+    /// sequence starts anew.
+    pub fn set_period(&mut self, period_us: u32) -> bool {
+        let is_current = self.period_us == period_us;
+        self.period_us = period_us;
+        if !is_current {
+            self.run();
+        }
+        is_current
+    }
+
+    /// Returns the sequence of a sample.
+    #[must_use]
+    pub fn sequence(&self) -> Sequence {
+        let (ring, count) = self.inputs();
+        let inputs = ring.map(|(input, _)| input);
+        Sequence::new(inputs.get(..count).unwrap_or_default(), ANGLE::IS_ON_BUS)
+    }
+
+    /// Converts the answers of a sequence to a sample. Those of an earlier run, from before a
+    /// change of wiring or period, do not count.
+    pub fn sample(&mut self, acquired: &Acquired) -> (SensorFrame, SensorStatus) {
         let mut status = SensorStatus::GOOD;
-        let codes = if self.configured {
-            self.codes()
-        } else {
-            [Err(self.configure().err().unwrap_or(SensorFault::NotConfigured)); MAX_INPUTS]
+        let running = self.running.filter(|(run, _)| *run == acquired.run);
+        let answers = running.and_then(|(_, count)| Some((acquired.answers.as_ref()?, count)));
+        let encoder = answers.and_then(|(answers, count)| EncoderAnswers::of(answers, count));
+        let codes = match answers {
+            _ if !self.configured => {
+                [Err(self.configure().err().unwrap_or(SensorFault::NotConfigured)); MAX_INPUTS]
+            }
+            Some((answers, _)) => self.codes(answers),
+            None => [Err(SensorFault::Bus); MAX_INPUTS],
         };
         match self.journal(&codes) {
             Ok(([y, z], at_rail)) => {
@@ -160,7 +220,7 @@ impl<SPI: SpiDevice, ANGLE: AngleSensor> Sampler<SPI, ANGLE> {
                 self.fault(SensorChannel::JournalZ, fault, &mut status);
             }
         }
-        match self.angle.angle_nrad() {
+        match self.angle.angle_nrad(encoder.as_ref()) {
             Ok(angle) => self.frame.shaft_angle_nrad = angle,
             Err(fault) => self.fault(SensorChannel::ShaftAngle, fault, &mut status),
         }
@@ -168,8 +228,8 @@ impl<SPI: SpiDevice, ANGLE: AngleSensor> Sampler<SPI, ANGLE> {
             Ok(load_mn) => self.frame.load_force_mn = load_mn,
             Err(fault) => self.fault(SensorChannel::LoadForce, fault, &mut status),
         }
-        self.frame.sequence = self.frame.sequence.wrapping_add(1);
-        self.frame.time_us = time_us;
+        self.frame.sequence = self.frame.sequence.wrapping_add(acquired.lost).wrapping_add(1);
+        self.frame.time_us = acquired.time_us;
         (self.frame, status)
     }
 
@@ -186,8 +246,8 @@ impl<SPI: SpiDevice, ANGLE: AngleSensor> Sampler<SPI, ANGLE> {
     }
 
     /// Returns the devices.
-    pub fn release(self) -> (SPI, ANGLE) {
-        (self.converter.release(), self.angle)
+    pub fn release(self) -> (BUS, ANGLE) {
+        (self.bus, self.angle)
     }
 
     fn fault(&mut self, channel: SensorChannel, fault: SensorFault, status: &mut SensorStatus) {
@@ -218,17 +278,17 @@ impl<SPI: SpiDevice, ANGLE: AngleSensor> Sampler<SPI, ANGLE> {
         (ring, count)
     }
 
-    /// Reads a code of every input, in the order of the ring.
-    fn codes(&mut self) -> [Code; MAX_INPUTS] {
-        let (ring, count) = self.inputs();
+    /// Returns a code of every input, in the order of the ring.
+    fn codes(&mut self, answers: &Answers) -> [Code; MAX_INPUTS] {
+        let (_, count) = self.inputs();
         let mut codes = [Err(SensorFault::NoAnswer); MAX_INPUTS];
-        let connected = ring.iter().take(count);
-        let next = connected.clone().skip(1).chain(connected.take(1));
-        for (code, (next, _)) in codes.iter_mut().zip(next) {
-            let found = self.converter.select(*next);
-            *code = if self.in_step { found } else { found.and(Err(SensorFault::NoAnswer)) };
-            self.in_step = found.is_ok();
+        for (number, found) in codes.iter_mut().enumerate().take(count) {
+            let answer = conversion(answers, number, ANGLE::IS_ON_BUS).map_or(Err(SensorFault::Bus), code);
+            *found = if self.in_step { answer } else { answer.and(Err(SensorFault::NoAnswer)) };
+            self.in_step = answer.is_ok();
         }
+        self.silent = if codes.iter().any(Result::is_ok) { 0 } else { self.silent.saturating_add(1) };
+        self.configured = self.silent < MAX_SILENT;
         codes
     }
 

@@ -4,6 +4,7 @@
 use link::start::StackReport;
 use rtic_core::Mutex;
 
+use super::journal::LogEvent;
 use super::pace::Pacing;
 use super::shared_session::{SampleSource, SharedSession};
 use crate::session::{Session, TickSource};
@@ -43,9 +44,8 @@ pub trait Platform {
     }
     /// Stores the count of faulted starts for the next start.
     fn set_start_watch(&self, _watch: StartWatch) {}
-    /// Logs that a request about models was refused; `count` is the number of packages refused so
-    /// far.
-    fn log_refused_update(&self, _count: u16) {}
+    /// Writes a line to the log.
+    fn log(&self, _event: &LogEvent) {}
 }
 
 /// State of the background checks.

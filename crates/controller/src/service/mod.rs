@@ -11,6 +11,7 @@
 
 mod background;
 mod command_guard;
+mod journal;
 mod pace;
 mod sending;
 mod shared_session;
@@ -34,6 +35,8 @@ use crate::supervisor::Party;
 use crate::supervisor::start::StartWatch;
 pub use background::{Background, Platform};
 pub use command_guard::{CommandGuard, LINK_KEY};
+use journal::Journal;
+pub use journal::{LogEvent, LoggedState, Losses};
 pub use pace::{Pace, Pacing};
 use sending::{send, send_estimates, send_impacts};
 pub use shared_session::{SampleSource, SharedSession, Tick};
@@ -65,6 +68,7 @@ pub struct LinkService<M> {
     /// `None` if the firmware has no key.
     guard: Option<CommandGuard>,
     background: Background,
+    journal: Journal,
 }
 
 impl<M: SlotMemory> LinkService<M> {
@@ -72,7 +76,7 @@ impl<M: SlotMemory> LinkService<M> {
     /// the number of this start is kept now: later, writing flash could stall a run.
     pub fn new(pacing: Pacing, mut stores: Stores<M>, key: Option<LinkKey>, background: Background) -> Self {
         let guard = key.map(|key| CommandGuard::new(key, stores.next_start()));
-        Self { pacing, stores, guard, background }
+        Self { pacing, stores, guard, background, journal: Journal::default() }
     }
 
     /// Restores the kept configuration, so that a controller beside a bench works without a host
@@ -159,6 +163,7 @@ impl<M: SlotMemory> LinkService<M> {
         send_impacts(ports, shared);
         shared.lock(|shared| shared.session.set_line_report(ports.line()));
         self.send_telemetry(ports, shared, platform, parties);
+        self.journal.look(shared, platform);
         let is_corrupted = self.background.step(self.pacing, shared, platform);
         if is_corrupted { Err(Stop::Corrupted) } else { Ok(()) }
     }
@@ -250,7 +255,7 @@ impl<M: SlotMemory> LinkService<M> {
         }
         let served = self.stores.serve(request, is_estimating);
         if let UpdateAnswer::Refused(_) = served.answer {
-            platform.log_refused_update(self.stores.packages.status().refused);
+            platform.log(&LogEvent::RefusedUpdate(self.stores.packages.status().refused));
         }
         if let (UpdateRequest::Finish, Some(guard)) = (request, &mut self.guard)
             && has_ended(&served.answer)
@@ -291,8 +296,8 @@ impl<M: SlotMemory> LinkService<M> {
     ) {
         let (uptime_us, models) = (platform.uptime_us(), self.stores.packages.status());
         shared.lock(|shared| {
-            let sample = shared.latest_sample();
-            shared.session.update_status(Status { uptime_us, parties, models, sample });
+            let (sample, sampling) = (shared.latest_sample(), shared.sampling());
+            shared.session.update_status(Status { uptime_us, parties, models, sample, sampling });
         });
     }
 

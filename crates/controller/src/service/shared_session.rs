@@ -2,12 +2,12 @@
 
 use core::convert::Infallible;
 
-use embedded_hal::spi::SpiDevice;
 use heapless::Deque;
 use link::track::SensorStatus;
-use link::{SensorFrame, State};
+use link::{BadFrames, SamplingReport, SensorFrame, State};
 
-use crate::sensors::{AngleSensor, Sampler, Wiring};
+use super::journal::{LoggedState, Losses};
+use crate::sensors::{Acquired, AngleSensor, SampleClock, Sampler, SensorBus, Wiring};
 use crate::session::{SentEstimate, Session, TickSource};
 
 /// Length of the queues of samples and estimates. A host in lockstep has one sample on the way.
@@ -15,17 +15,29 @@ const QUEUE: usize = 8;
 
 /// Sensors of the board.
 pub trait SampleSource {
-    /// Samples every sensor once. `time_us` is the controller's time.
-    fn sample(&mut self, time_us: u32) -> (SensorFrame, SensorStatus);
+    /// Converts what was acquired to a sample of every sensor.
+    fn sample(&mut self, acquired: &Acquired) -> (SensorFrame, SensorStatus);
+    /// Changes the period of the samples, us. Returns true if it is that already.
+    fn set_period(&mut self, period_us: u32) -> bool;
+    /// Starts the samples anew.
+    fn restart(&mut self);
     /// Returns the last sample before calibration.
     fn latest(&self) -> SensorFrame;
     /// Uses other wiring from the next sample on.
     fn rewire(&mut self, wiring: Wiring);
 }
 
-impl<SPI: SpiDevice, ANGLE: AngleSensor> SampleSource for Sampler<SPI, ANGLE> {
-    fn sample(&mut self, time_us: u32) -> (SensorFrame, SensorStatus) {
-        Sampler::sample(self, time_us)
+impl<BUS: SensorBus, ANGLE: AngleSensor> SampleSource for Sampler<BUS, ANGLE> {
+    fn sample(&mut self, acquired: &Acquired) -> (SensorFrame, SensorStatus) {
+        Sampler::sample(self, acquired)
+    }
+
+    fn set_period(&mut self, period_us: u32) -> bool {
+        Sampler::set_period(self, period_us)
+    }
+
+    fn restart(&mut self) {
+        Sampler::run(self);
     }
 
     fn latest(&self) -> SensorFrame {
@@ -39,7 +51,15 @@ impl<SPI: SpiDevice, ANGLE: AngleSensor> SampleSource for Sampler<SPI, ANGLE> {
 
 /// The sensors of a board without sensors.
 impl SampleSource for Infallible {
-    fn sample(&mut self, _time_us: u32) -> (SensorFrame, SensorStatus) {
+    fn sample(&mut self, _acquired: &Acquired) -> (SensorFrame, SensorStatus) {
+        match *self {}
+    }
+
+    fn set_period(&mut self, _period_us: u32) -> bool {
+        match *self {}
+    }
+
+    fn restart(&mut self) {
         match *self {}
     }
 
@@ -72,12 +92,14 @@ pub struct SharedSession<S> {
     samples: Deque<(SensorFrame, SensorStatus), QUEUE>,
     estimates: Deque<SentEstimate, QUEUE>,
     sensors: Option<S>,
+    /// Timing of own samples; `None` without a timer that triggers them.
+    sampling: Option<SampleClock>,
 }
 
 impl<S: SampleSource> SharedSession<S> {
     /// Creates the state with empty queues.
     pub const fn new(session: Session, sensors: Option<S>) -> Self {
-        Self { session, samples: Deque::new(), estimates: Deque::new(), sensors }
+        Self { session, samples: Deque::new(), estimates: Deque::new(), sensors, sampling: None }
     }
 
     /// Decides whether the session estimates.
@@ -91,7 +113,9 @@ impl<S: SampleSource> SharedSession<S> {
     /// is the sample period of the run, see [`Pace::set_period`]; own samples wait for that.
     ///
     /// [`Pace::set_period`]: super::Pace::set_period
-    pub fn tick(&mut self, now_us: u32, is_paced: bool, ticks: &mut impl TickSource) -> Tick {
+    pub fn tick(&mut self, acquired: &Acquired, is_paced: bool, ticks: &mut impl TickSource) -> Tick {
+        let period_us = self.session.sample_period_us();
+        let is_paced = self.sensors.as_mut().is_none_or(|sensors| sensors.set_period(period_us)) && is_paced;
         if self.session.is_sampling() && !is_paced {
             return Tick::Idle;
         }
@@ -101,7 +125,7 @@ impl<S: SampleSource> SharedSession<S> {
                 if received.is_some() {
                     self.session.count_dropped_sample();
                 }
-                self.session.tick_own_sample(|| sensors.sample(now_us), ticks)
+                self.session.tick_own_sample(|| sensors.sample(acquired), ticks)
             }
             // A sample before any configuration has no answer: the state is in every hello frame.
             (_, Some((frame, status))) => {
@@ -144,6 +168,50 @@ impl<S: SampleSource> SharedSession<S> {
         self.sensors.as_ref().map(S::latest)
     }
 
+    /// Starts the samples of the board anew, after they have failed to arrive.
+    pub fn restart_samples(&mut self) {
+        if let Some(sensors) = &mut self.sensors {
+            sensors.restart();
+        }
+    }
+
+    /// Notes the timing of the board's samples.
+    pub fn note_sampling(&mut self, clock: &SampleClock) {
+        self.sampling = Some(clock.clone());
+    }
+
+    /// Returns the timing of the board's samples.
+    pub(super) fn sampling(&self) -> Option<SamplingReport> {
+        self.sampling.as_ref().map(SampleClock::report)
+    }
+
+    /// Returns the state for the log.
+    pub(super) fn logged_state(&self) -> LoggedState {
+        LoggedState {
+            state: self.session.state(),
+            is_sampling: self.session.is_sampling(),
+            period_us: self.session.sample_period_us(),
+        }
+    }
+
+    /// Returns what was late, lost or refused, for the log.
+    pub(super) fn losses(&self) -> Losses {
+        let counters = self.session.counters();
+        let BadFrames { cobs, crc, overlong, unknown } = counters.bad_frames;
+        let frames = [cobs, crc, overlong, unknown];
+        Losses {
+            late: counters.deadline_overruns,
+            samples: self
+                .sampling
+                .as_ref()
+                .map_or(0, |clock| clock.report().lost)
+                .saturating_add(counters.dropped_samples),
+            estimates: counters.dropped_estimates,
+            received: frames.iter().fold(counters.dropped_bytes, |sum, count| sum.saturating_add(*count)),
+            commands: counters.refused_commands,
+        }
+    }
+
     /// Passes the wiring of a newly accepted configuration to the sensors.
     pub(super) fn rewire(&mut self) {
         if let (Some(wiring), Some(sensors)) = (self.session.take_wiring(), &mut self.sensors) {
@@ -156,17 +224,26 @@ impl<S: SampleSource> SharedSession<S> {
 mod tests {
     use super::*;
     use crate::configuration::BENCH_B;
-    use crate::session::{Identity, NoTicks};
+    use crate::session::{Identity, NoTicks, OwnSampling};
     use link::{BuildId, ClockSource, Target};
 
     /// Sensors that count their samples.
     struct Counted(u32);
 
     impl SampleSource for Counted {
-        fn sample(&mut self, time_us: u32) -> (SensorFrame, SensorStatus) {
+        fn sample(&mut self, acquired: &Acquired) -> (SensorFrame, SensorStatus) {
             self.0 += 1;
-            (SensorFrame { sequence: self.0, time_us, ..SensorFrame::default() }, SensorStatus::GOOD)
+            (
+                SensorFrame { sequence: self.0, time_us: acquired.time_us, ..SensorFrame::default() },
+                SensorStatus::GOOD,
+            )
         }
+
+        fn set_period(&mut self, _period_us: u32) -> bool {
+            true
+        }
+
+        fn restart(&mut self) {}
 
         fn latest(&self) -> SensorFrame {
             SensorFrame::default()
@@ -180,13 +257,14 @@ mod tests {
         let (target, clock) = (Target::Silicon, ClockSource::Internal);
         let identity = Identity { build_id: BuildId::new("test"), target, clock, core_hz: 168_000_000 };
         let mut session = Session::new(identity);
-        session.set_shortest_period(Some(100));
+        session.set_own_sampling(Some(OwnSampling { shortest_period_us: 100, input_interval_ns: 0 }));
         session.configure(&BENCH_B).unwrap();
         session.start_sampling().unwrap();
         let mut shared = SharedSession::new(session, Some(Counted(0)));
-        assert_eq!(shared.tick(100, false, &mut NoTicks), Tick::Idle);
+        let acquired = Acquired::nothing;
+        assert_eq!(shared.tick(&acquired(100), false, &mut NoTicks), Tick::Idle);
         assert_eq!(shared.sensors.as_ref().unwrap().0, 0);
-        assert_eq!(shared.tick(200, true, &mut NoTicks), Tick::Sampled);
+        assert_eq!(shared.tick(&acquired(200), true, &mut NoTicks), Tick::Sampled);
         assert_eq!(shared.sensors.as_ref().unwrap().0, 1);
     }
 }

@@ -1,6 +1,6 @@
 //! The service with a scripted transport.
 
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
 use std::convert::Infallible;
 
@@ -17,6 +17,7 @@ use rtic_core::Exclusive;
 
 use super::*;
 use crate::configuration::BENCH_B;
+use crate::sensors::Acquired;
 use crate::session::{Identity, NoTicks, Session};
 use crate::store::key::DEVELOPMENT_KEY;
 use crate::supervisor::paint::{Mark, PAINT};
@@ -28,7 +29,11 @@ mod package;
 use package::Package;
 
 mod authentication;
+mod journal;
 mod stores;
+
+/// A tick without samples of the board.
+const AT_START: Acquired = Acquired::nothing(0);
 
 /// Addresses of the test's code.
 const SPANS: [std::ops::Range<usize>; crate::supervisor::code::SPANS] = {
@@ -154,6 +159,7 @@ struct Board {
     code: [u32; 16],
     ticks: NoTicks,
     watch: Cell<StartWatch>,
+    lines: RefCell<Vec<LogEvent>>,
 }
 
 impl Platform for Board {
@@ -177,6 +183,10 @@ impl Platform for Board {
 
     fn set_start_watch(&self, watch: StartWatch) {
         self.watch.set(watch);
+    }
+
+    fn log(&self, event: &LogEvent) {
+        self.lines.borrow_mut().push(*event);
     }
 
     fn code_word(&self, address: usize) -> u32 {
@@ -213,6 +223,7 @@ fn fixture_with_key(pacing: Pacing, slots: Flash, places: Flash, key: Option<Lin
         code: std::array::from_fn(|index| index as u32),
         ticks: NoTicks,
         watch: Cell::default(),
+        lines: RefCell::default(),
     };
     let identity = Identity {
         build_id: BuildId::new("test"),
@@ -302,9 +313,9 @@ fn paced_by_the_timer_samples_wait_for_the_tick_and_samples_without_room_are_cou
     assert!(script.replies().is_empty());
     assert_eq!(fixture.shared.session.counters().dropped_samples, 2);
     for _ in 0..8 {
-        assert_eq!(fixture.shared.tick(0, true, &mut NoTicks), Tick::Sampled);
+        assert_eq!(fixture.shared.tick(&AT_START, true, &mut NoTicks), Tick::Sampled);
     }
-    assert_eq!(fixture.shared.tick(0, true, &mut NoTicks), Tick::Idle);
+    assert_eq!(fixture.shared.tick(&AT_START, true, &mut NoTicks), Tick::Idle);
     let mut script = Script::default();
     fixture.run(&mut script, &mut Script::default(), 1).unwrap();
     assert_eq!(script.replies().len(), 8);
@@ -321,7 +332,7 @@ fn replies_go_to_the_port_of_the_request_and_estimates_to_the_port_of_the_last_f
     for _ in 0..3 {
         let mut shared = Exclusive(&mut fixture.shared);
         fixture.service.pass(&mut ports, &mut shared, &mut fixture.board).unwrap();
-        fixture.shared.tick(0, true, &mut NoTicks);
+        fixture.shared.tick(&AT_START, true, &mut NoTicks);
     }
     assert!(serial.sent.is_empty());
     assert!(matches!(probe.replies()[..], [ToHost::Hello(hello), ToHost::Estimate(_)] if hello.token == 5));

@@ -42,7 +42,7 @@ use crate::store::Models;
 use conversation::Conversation;
 pub use conversation::Identity;
 use run::Run;
-pub use run::own_estimate_interval;
+pub use run::{OwnSampling, own_estimate_interval};
 pub use telemetry::LineReport;
 pub(crate) use telemetry::Status;
 use telemetry::{Telemetry, count};
@@ -72,7 +72,7 @@ pub struct Session {
     /// True if that configuration has just been saved.
     is_saved: bool,
     /// Shortest period of own samples, us; `None` without sensors.
-    shortest_period_us: Option<u32>,
+    own_sampling: Option<OwnSampling>,
     /// True until the wiring of the configuration has been taken.
     has_new_wiring: bool,
     /// Impacts that have not been sent.
@@ -90,7 +90,7 @@ impl Session {
             models,
             configuration: None,
             is_saved: false,
-            shortest_period_us: None,
+            own_sampling: None,
             has_new_wiring: false,
             run: None,
             impacts: Queue::default(),
@@ -151,10 +151,10 @@ impl Session {
         self.telemetry.status = status;
     }
 
-    /// Sets the shortest period of the controller's own samples, us; `None` without sensors or
-    /// without a timer that paces them.
-    pub const fn set_shortest_period(&mut self, period_us: Option<u32>) {
-        self.shortest_period_us = period_us;
+    /// Sets the limits of the controller's own samples; `None` without sensors or without a timer
+    /// that paces them.
+    pub const fn set_own_sampling(&mut self, own_sampling: Option<OwnSampling>) {
+        self.own_sampling = own_sampling;
     }
 
     /// Returns the period of the timer that paces the samples, us: the configured sample period, or
@@ -179,8 +179,8 @@ impl Session {
     /// period.
     pub(crate) fn start_sampling(&mut self) -> Result<u16, Refusal> {
         let run = self.run.as_mut().ok_or(Refusal::NotConfigured)?;
-        let shortest_period_us = self.shortest_period_us.ok_or(Refusal::NoSensors)?;
-        run.start_sampling(shortest_period_us).map_err(Refusal::Configuration)
+        let own_sampling = self.own_sampling.ok_or(Refusal::NoSensors)?;
+        run.start_sampling(&own_sampling).map_err(Refusal::Configuration)
     }
 
     /// Decides whether the run uses the controller's own samples: then [`Session::tick_own_sample`]
@@ -317,6 +317,7 @@ impl Session {
                 SlowReport::Estimate(NumberedEstimate { number: 0, dropped: 0, estimate }.into())
             }
             ReportKind::Sample => SlowReport::Sample(status.sample?),
+            ReportKind::Sampling => SlowReport::Sampling(status.sampling?),
         })
     }
 

@@ -11,8 +11,9 @@ use link::{
 use super::deadline::Deadline;
 use crate::Monitor;
 use crate::boards::LINK_BAUD;
-use crate::configuration::{Calibrator, checksum};
+use crate::configuration::{Calibrator, checksum, wiring};
 use crate::estimator::SAMPLE_PERIOD_RANGE_US;
+use crate::filter::Skew;
 use crate::flags::{OVER_FORCE, STALE, TRIPPED};
 use crate::impacts::{Block, Found, ImpactTracker};
 use crate::integrity::{Guarded, WordSum, Words};
@@ -35,6 +36,15 @@ const _: () = assert!(
 pub fn own_estimate_interval(sample_period_us: u32) -> u16 {
     // At most 4,000.
     OWN_ESTIMATE_PERIOD_US.div_ceil(sample_period_us.max(1)) as u16
+}
+
+/// The controller's own samples.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OwnSampling {
+    /// Shortest period, us.
+    pub shortest_period_us: u32,
+    /// Time from the sample of the first probe to that of the second, ns.
+    pub input_interval_ns: u32,
 }
 
 /// A configured estimator at work.
@@ -176,14 +186,20 @@ impl Run {
 
     /// Continues with the controller's own samples. Returns the number of samples per sent
     /// estimate. Refused if a tick takes longer than the bench's period.
-    pub(super) fn start_sampling(&mut self, shortest_period_us: u32) -> Result<u16, Reasons> {
+    pub(super) fn start_sampling(&mut self, own: &OwnSampling) -> Result<u16, Reasons> {
+        let OwnSampling { shortest_period_us, input_interval_ns } = *own;
         let period_us = self.configuration.bench.sample_period_us;
         if period_us < shortest_period_us {
             let (found, min) = (period_us.into(), shortest_period_us.into());
             let max = *SAMPLE_PERIOD_RANGE_US.end();
             return Err(OutOfRange { field: Field::SamplePeriod, found, min, max }.into());
         }
-        self.change_configuration(|run| run.is_sampling = true);
+        let directions = wiring(&self.configuration).map(|wiring| wiring.geometry.second_direction());
+        let skew = Skew::new(directions.unwrap_or_default(), input_interval_ns as f32 * 1e-9);
+        self.change_configuration(|run| {
+            run.is_sampling = true;
+            run.monitor.set_skew(skew);
+        });
         self.block = Block::default();
         Ok(own_estimate_interval(period_us))
     }
@@ -287,6 +303,8 @@ mod tests {
     use super::*;
     use crate::configuration::BENCH_B;
 
+    const OWN: OwnSampling = OwnSampling { shortest_period_us: 100, input_interval_ns: 9_000 };
+
     fn run() -> Run {
         Run::new(BENCH_B, &Models::built_in(), 0).unwrap()
     }
@@ -313,7 +331,7 @@ mod tests {
     #[test]
     fn an_intended_change_of_the_configuration_does_not_hide_a_corruption() {
         let changes: [fn(&mut Run); 2] =
-            [|run| assert_eq!(run.start_sampling(100), Ok(40)), |run| run.switch(&Models::built_in())];
+            [|run| assert_eq!(run.start_sampling(&OWN), Ok(40)), |run| run.switch(&Models::built_in())];
         for (number, change) in changes.into_iter().enumerate() {
             let mut run = run();
             change(&mut run);

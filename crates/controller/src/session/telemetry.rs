@@ -4,7 +4,7 @@
 use inference::Flags;
 use link::start::{PARTIES, Presence};
 use link::update::UpdateStatus;
-use link::{Counters, LineErrors, ReportKind, SensorFrame};
+use link::{Counters, LineErrors, ReportKind, SamplingReport, SensorFrame};
 
 use super::run::TimedEstimate;
 use crate::flags::{MODEL_MISFIT, OVER_FORCE, SENSOR_FAULT, SEQUENCE_GAP, TIME_FAULT};
@@ -20,6 +20,8 @@ pub(crate) struct Status {
     pub(crate) models: UpdateStatus,
     /// Last sample of the controller's own sensors.
     pub(crate) sample: Option<SensorFrame>,
+    /// Timing of those samples.
+    pub(crate) sampling: Option<SamplingReport>,
 }
 
 /// Losses on the way in, counted since the start.
@@ -82,7 +84,8 @@ impl Schedule {
         }
         for _ in ReportKind::ALL {
             let kind = ReportKind::ALL.get(self.next).copied().unwrap_or(ReportKind::Track);
-            self.next = if kind == ReportKind::Sample { 0 } else { self.next.saturating_add(1) };
+            let is_last = self.next.saturating_add(1) >= ReportKind::ALL.len();
+            self.next = if is_last { 0 } else { self.next.saturating_add(1) };
             if let Some(report) = report(kind) {
                 let number = self.number;
                 self.number = number.wrapping_add(1);

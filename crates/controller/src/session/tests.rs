@@ -12,6 +12,7 @@ use link::update::UpdateStatus;
 use link::{
     Acknowledgement, Answer, BadFrames, BuildId, ClockSource, Command, ControllerConfiguration,
     EstimateFrame, Field, LineErrors, MAGIC, ModelId, NumberedCommand, PROTOCOL_VERSION, Refusal,
+    SamplingReport,
 };
 
 /// A tick counter with given readings: before the frame is encoded, and in total.
@@ -342,9 +343,16 @@ fn every_report_can_be_requested_and_is_sent_in_turn() {
     let parties = [Presence { expected: true, away_us: 1, longest_us: 2, period_us: 3 }; 4];
     let models = UpdateStatus { refused: 7, ..UpdateStatus::default() };
     let sample = SensorFrame { journal_y_nm: 5, ..SensorFrame::default() };
-    session.update_status(Status { uptime_us: 99, parties, models, sample: Some(sample) });
+    let sampling = SamplingReport { lost: 3, ..SamplingReport::default() };
+    session.update_status(Status {
+        uptime_us: 99,
+        parties,
+        models,
+        sample: Some(sample),
+        sampling: Some(sampling),
+    });
     let mut turns = Vec::new();
-    for sequence in 0..70 {
+    for sequence in 0..80 {
         session.handle(&pressed(sequence), &mut NoTicks);
         assert_eq!(session.is_telemetry_due(), sequence % 10 == 9);
         if let Some(ToHost::Slow(slow)) = session.take_telemetry() {
@@ -360,11 +368,12 @@ fn every_report_can_be_requested_and_is_sent_in_turn() {
         match asked {
             SlowReport::Track(track) => assert_eq!(track.friction, link::track::FrictionState::Unknown),
             SlowReport::Sensors(_) => {}
-            SlowReport::Counters(counters) => assert_eq!(counters.samples, 70),
+            SlowReport::Counters(counters) => assert_eq!(counters.samples, 80),
             SlowReport::Supervisor(known) => assert_eq!((known.uptime_us, known.parties), (99, parties)),
             SlowReport::Models(known) => assert_eq!(known, models),
             SlowReport::Sample(known) => assert_eq!(known, sample),
-            SlowReport::Estimate(known) => assert_eq!(NumberedEstimate::from(known).estimate.sequence, 69),
+            SlowReport::Sampling(known) => assert_eq!(known, sampling),
+            SlowReport::Estimate(known) => assert_eq!(NumberedEstimate::from(known).estimate.sequence, 79),
         }
     }
     stopped(&mut session);

@@ -3,7 +3,7 @@
 
 mod reference;
 
-use controller::filter::{Filter, FilterConfiguration, FilterEstimate, Measurement};
+use controller::filter::{Filter, FilterConfiguration, FilterEstimate, Measurement, Skew};
 use on_target::filter::{Orbit, default_bench};
 use proptest::prelude::*;
 use reference::Reference;
@@ -186,6 +186,55 @@ fn a_measured_drive_force_shows_a_wrong_mass_even_if_it_comes_late() {
     let (always, late, never) = (share(0), share(100), share(usize::MAX));
     assert!(never > 5e-3, "{never}");
     assert!(always < 3e-3 && late < 3e-3, "{always} {late}");
+}
+
+/// Rms change of the force that a second probe, in a direction, causes by being sampled 10 us after
+/// the first, as a share of the largest force: with a filter that knows it, and with one that does
+/// not.
+fn effects_of_skew(world: &World, direction: [f64; 2]) -> [f64; 2] {
+    const TIME_S: f64 = 10e-6;
+    const STEPS: usize = 10;
+    let all = world.run(0.6, 1.0 / TIME_S);
+    let rows: Vec<Row> = all.iter().step_by(STEPS).copied().collect();
+    let readings = Sensors::BENCH_B.read(&rows, 1);
+    let [along_y, along_z] = direction;
+    let estimates = |is_late: bool, known_s: f64| -> Vec<FilterEstimate> {
+        let mut filter = Filter::new(&default_bench()).unwrap();
+        filter.set_skew(Skew::new(direction.map(|part| part as f32), known_s as f32));
+        let estimate = |(reading, pair): (&worlds::Reading, &[Row])| {
+            let moved_y = pair[1].journal_y_m - pair[0].journal_y_m;
+            let moved_z = pair[1].journal_z_m - pair[0].journal_z_m;
+            let moved = if is_late { along_y * moved_y + along_z * moved_z } else { 0.0 };
+            filter.step(&Measurement {
+                journal_y_m: (reading.journal_y_m + moved * along_y) as f32,
+                journal_z_m: (reading.journal_z_m + moved * along_z) as f32,
+                shaft_angle_rad: reading.shaft_angle_rad as f32,
+                load_force_n: reading.load_force_n as f32,
+                drive_force_n: None,
+            })
+        };
+        readings.iter().zip(all.windows(2).step_by(STEPS)).map(estimate).collect()
+    };
+    let together = estimates(false, 0.0);
+    let full_scale = rows.iter().map(|row| row.force_y_n.hypot(row.force_z_n)).fold(0.0, f64::max);
+    [TIME_S, 0.0].map(|known_s| {
+        let late = estimates(true, known_s);
+        let square = |(a, b): (&FilterEstimate, &FilterEstimate)| {
+            f64::from(a.force_y_n - b.force_y_n).powi(2) + f64::from(a.force_z_n - b.force_z_n).powi(2)
+        };
+        let squares: f64 = late.iter().zip(&together).skip(500).map(square).sum();
+        (squares / (rows.len() - 500) as f64).sqrt() / full_scale
+    })
+}
+
+#[test]
+fn a_second_probe_that_is_sampled_later_is_taken_into_account() {
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    for (load_n, direction) in [(10e3, [0.0, 1.0]), (10e3, [half, half]), (-5e3, [-half, half])] {
+        let [known, unknown] = effects_of_skew(&World::bench_b(Bearing::Babbitt, 500e-6, load_n), direction);
+        println!("{load_n} N, {direction:?}: known {known:.2e}, unknown {unknown:.2e}");
+        assert!(known < 0.1 * unknown, "{known} {unknown}");
+    }
 }
 
 #[test]

@@ -1,110 +1,61 @@
 //! AS5047P.
 
-use crate::script::{ASK_ANGLE, ASK_DIAGNOSTICS, ASK_ERRORS, Broken, encoder};
-use controller::sensors::{Absolute, AngleSensor, As5047p, SensorFault};
-use embedded_hal_mock::eh1::spi::Mock;
+use crate::script::{COMPENSATED, answer, encoder};
+use controller::sensors::{Absolute, AngleSensor, EncoderAnswers, SensorFault};
 
-/// An answer with its parity bit.
-fn answer(data: u16) -> u16 {
-    data | (data.count_ones() as u16 & 1) << 15
+const STEP_NRAD: f64 = core::f64::consts::TAU * 1e9 / 16_384.0;
+
+fn read(sensor: &mut Absolute, [angle, diagnostics]: [u16; 2]) -> Result<i32, SensorFault> {
+    sensor.angle_nrad(Some(&EncoderAnswers { angle, diagnostics }))
 }
 
 #[test]
-fn the_first_reply_has_no_angle_and_the_later_ones_have_one() {
-    let script = [
-        encoder(ASK_ANGLE, answer(0)),
-        encoder(ASK_ANGLE, answer(0x1234)),
-        encoder(ASK_ANGLE, answer(0x3ffe)),
-    ]
-    .concat();
-    let mut device = As5047p::new(Mock::new(&script));
-    assert!(device.read().is_err());
-    assert_eq!(device.read(), Ok(0x1234));
-    assert_eq!(device.read(), Ok(0x3ffe));
-    device.release().done();
+fn the_first_sample_has_an_angle() {
+    let mut sensor = Absolute::default();
+    let angle = read(&mut sensor, encoder(0x1234)).unwrap();
+    assert!((f64::from(angle) - f64::from(0x1234) * STEP_NRAD).abs() < 2.0, "{angle}");
+    assert_eq!(read(&mut Absolute::default(), encoder(0)), Ok(0), "zero is an angle, too");
 }
 
 #[test]
-fn every_single_wrong_bit_is_a_parity_error_or_an_error_flag() {
+fn every_single_wrong_bit_is_a_parity_error() {
     for bit in 0..16 {
-        let wrong = answer(0x0fa5) ^ 1 << bit;
-        let script = [encoder(ASK_ANGLE, answer(0)), encoder(ASK_ANGLE, wrong)].concat();
-        let mut device = As5047p::new(Mock::new(&script));
-        assert!(device.read().is_err());
-        assert_eq!(device.read(), Err(SensorFault::Parity), "bit {bit}");
-        device.release().done();
+        let [angle, diagnostics] = encoder(0x0fa5);
+        for answers in [[angle ^ 1 << bit, diagnostics], [angle, diagnostics ^ 1 << bit]] {
+            let found = read(&mut Absolute::default(), answers);
+            assert_eq!(found, Err(SensorFault::Parity), "bit {bit}");
+        }
     }
 }
 
 #[test]
-fn an_error_flag_is_reported_once_and_cleared() {
-    let script = [
-        encoder(ASK_ANGLE, answer(0)),
-        encoder(ASK_ANGLE, answer(0x4000 | 77)),
-        encoder(ASK_ERRORS, answer(78)),
-        encoder(ASK_ANGLE, answer(0x0001)),
-        encoder(ASK_ANGLE, answer(80)),
-    ]
-    .concat();
-    let mut device = As5047p::new(Mock::new(&script));
-    assert!(device.read().is_err());
-    assert_eq!(device.read(), Err(SensorFault::ErrorFlag));
-    assert_eq!(device.read(), Ok(78), "asked for before the flag was seen");
-    assert_eq!(device.read(), Err(SensorFault::ErrorFlag), "the error register is no angle");
-    assert_eq!(device.read(), Ok(80));
-    device.release().done();
+fn a_flagged_frame_costs_one_angle() {
+    let mut sensor = Absolute::default();
+    assert!(read(&mut sensor, encoder(77)).is_ok());
+    assert_eq!(read(&mut sensor, encoder(0x4000 | 78)), Err(SensorFault::ErrorFlag));
+    assert!(read(&mut sensor, encoder(79)).is_ok(), "the error register has been read in between");
+    let overflow = [answer(80), answer(COMPENSATED | 1 << 9)];
+    assert_eq!(read(&mut sensor, overflow), Err(SensorFault::ErrorFlag));
 }
 
 #[test]
-fn an_open_line_gives_no_angle() {
-    let mut device = As5047p::new(Mock::new(&encoder(ASK_ANGLE, 0xffff)));
-    assert_eq!(device.read(), Err(SensorFault::NoAnswer));
-    device.release().done();
-    assert_eq!(As5047p::new(Broken).read(), Err(SensorFault::Bus));
-}
-
-#[test]
-fn a_line_that_only_reads_zeros_never_gives_an_angle() {
-    let mut script = [encoder(ASK_ANGLE, 0), encoder(ASK_ANGLE, 0)].concat();
-    script.extend((0..50).flat_map(|_| encoder(ASK_DIAGNOSTICS, 0)));
-    let mut device = As5047p::new(Mock::new(&script));
-    assert!((0..52).all(|_| device.read().is_err()));
-    device.release().done();
-}
-
-#[test]
-fn a_shaft_at_zero_has_an_angle_once_the_device_has_replied() {
-    let script = [
-        encoder(ASK_ANGLE, 0),
-        encoder(ASK_ANGLE, 0),
-        encoder(ASK_DIAGNOSTICS, 0),
-        encoder(ASK_DIAGNOSTICS, answer(0x0180)),
-        encoder(ASK_ANGLE, answer(0x0180)),
-        encoder(ASK_ANGLE, 0),
-    ]
-    .concat();
-    let mut device = As5047p::new(Mock::new(&script));
-    for _ in 0..5 {
-        assert!(device.read().is_err(), "diagnostics are no angle");
+fn a_line_that_is_stuck_never_gives_an_angle() {
+    let mut sensor = Absolute::default();
+    assert!(read(&mut sensor, encoder(5)).is_ok());
+    for level in [[0; 2], [u16::MAX; 2]] {
+        assert_eq!(read(&mut sensor, level), Err(SensorFault::NoAnswer), "{level:?}");
     }
-    assert_eq!(device.read(), Ok(0));
-    device.release().done();
+    assert_eq!(sensor.angle_nrad(None), Err(SensorFault::Bus));
 }
 
 #[test]
 fn the_angle_counts_on_over_the_encoder_s_zero() {
     let steps = [16_380, 16_383, 2, 16_382, 5];
-    let script: Vec<_> = core::iter::once(encoder(ASK_ANGLE, answer(0)))
-        .chain(steps.iter().map(|step| encoder(ASK_ANGLE, answer(*step))))
-        .collect::<Vec<_>>()
-        .concat();
-    let mut device = Absolute::new(As5047p::new(Mock::new(&script)));
-    assert!(device.angle_nrad().is_err());
-    let angles: Vec<i64> = steps.iter().map(|_| i64::from(device.angle_nrad().unwrap())).collect();
-    let step_nrad = core::f64::consts::TAU * 1e9 / 16_384.0;
+    let mut sensor = Absolute::default();
+    let angles: Vec<i64> =
+        steps.iter().map(|step| i64::from(read(&mut sensor, encoder(*step)).unwrap())).collect();
     for (angle, steps) in angles.iter().zip([0.0, 3.0, 6.0, 2.0, 9.0]) {
         let moved = (angle - angles[0]) as f64;
-        assert!((moved - steps * step_nrad).abs() < 2.0, "{moved} for {steps} steps");
+        assert!((moved - steps * STEP_NRAD).abs() < 2.0, "{moved} for {steps} steps");
     }
-    device.release().done();
 }

@@ -1,4 +1,5 @@
-//! The drivers against scripted buses: what goes over the wire, and what is made of every answer.
+//! The drivers against scripted buses and models of the hardware: what goes over the wire, and what
+//! is made of every answer.
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
 mod absolute;
@@ -6,3 +7,4 @@ mod converter;
 mod incremental;
 mod sampler;
 mod script;
+mod sequence;

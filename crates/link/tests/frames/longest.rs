@@ -12,8 +12,8 @@ use link::{
     Acknowledgement, Answer, BadFrames, BenchConfiguration, BlockSummary, Calibration, Command, Configured,
     ContactSource, ControllerConfiguration, Counters, Decoder, EstimateLayout, Fault, Field, FrameError,
     ImpactEnd, ImpactRecord, Limits, LineErrors, MAX_REASONS, ModelId, NumberedCommand, OutOfRange,
-    PROTOCOL_VERSION, Reasons, Refusal, SensorFrame, SlowFrame, SlowReport, State, ToController, ToHost,
-    Wiring,
+    PROTOCOL_VERSION, Reasons, Refusal, SamplingReport, SensorFrame, SlowFrame, SlowReport, State,
+    ToController, ToHost, Wiring,
 };
 
 const ALL: u32 = u32::MAX;
@@ -188,7 +188,7 @@ fn outcomes() -> [Result<Answer, Refusal>; 7] {
     ]
 }
 
-fn slow_reports() -> [SlowReport; 6] {
+fn slow_reports() -> [SlowReport; 7] {
     [
         SlowReport::Counters(counters()),
         SlowReport::Sensors(health()),
@@ -196,6 +196,14 @@ fn slow_reports() -> [SlowReport; 6] {
         SlowReport::Models(models()),
         SlowReport::Estimate(EstimateLayout([255; 3], [[255; 4]; 24])),
         SlowReport::Sample(SensorFrame { sequence: ALL, journal_y_nm: i32::MIN, ..SensorFrame::default() }),
+        SlowReport::Sampling(SamplingReport {
+            lost: ALL,
+            halts: ALL,
+            halted_us: ALL,
+            early_ns: ALL,
+            late_ns: ALL,
+            input_interval_ns: ALL,
+        }),
     ]
 }
 

@@ -1,5 +1,6 @@
 //! Parts that this board does not have or use.
 
+use controller::sensors::{Collected, Completion};
 use controller::store::controller::FlashError;
 
 /// No watchdog.
@@ -12,6 +13,22 @@ impl Watchdog {
 
 /// No sensors.
 pub type Sensors = core::convert::Infallible;
+
+/// No samples.
+pub struct Collector;
+
+impl Collector {
+    /// Reads no counters.
+    #[must_use]
+    pub const fn now(&self) -> Completion {
+        Completion { time_us: 0, cycles: 0 }
+    }
+
+    /// Finds nothing.
+    pub fn collect(&mut self) -> Option<Collected> {
+        None
+    }
+}
 
 /// No flash to write.
 #[derive(Debug)]

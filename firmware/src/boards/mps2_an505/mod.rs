@@ -14,13 +14,14 @@ use link::start::ResetReason;
 use link::{ClockSource, Target};
 
 pub(super) use absent::Sectors;
-pub use absent::{Light, Sensors, Watchdog};
+pub use absent::{Collector, Light, Sensors, Watchdog};
 pub use serial::Receiver;
 pub(super) use serial::{Inbox, Transmitter};
 
 use super::image::build_id;
 use super::started::{Board, Link};
-use super::{Files, Probe, Storage, Timer, fault, guard, timer};
+use super::timer::{self, Source};
+use super::{Files, Probe, Storage, Timer, fault, guard};
 use controller::session::Identity;
 
 /// Board code of model packages.
@@ -43,6 +44,8 @@ pub mod device {
     #[derive(Clone, Copy, Debug)]
     #[repr(u16)]
     pub enum Interrupt {
+        /// Reserved by the board, which has no samples.
+        SAMPLED = 31,
         /// UART0 has a byte.
         SERIAL = 32,
     }
@@ -71,6 +74,7 @@ pub mod device {
 
     unsafe extern "C" {
         fn SERIAL();
+        fn SAMPLED();
     }
 
     /// Entry of the vector table.
@@ -85,8 +89,8 @@ pub mod device {
     #[unsafe(no_mangle)]
     static __INTERRUPTS: [Vector; 33] = {
         let mut vectors = [Vector { reserved: 0 }; 33];
-        if let Some(last) = vectors.last_mut() {
-            *last = Vector { handler: SERIAL };
+        if let Some(last) = vectors.last_chunk_mut() {
+            *last = [Vector { handler: SAMPLED }, Vector { handler: SERIAL }];
         }
         vectors
     };
@@ -100,7 +104,8 @@ pub fn start(core: cortex_m::Peripherals, _device: device::Peripherals) -> Board
     let (receiver, inbox, transmitter) = serial::set_up(CORE_HZ);
     let files = Files::open();
     let paced = files.is_none();
-    let (timer, pacer) = Timer::start(core.SYST, core.DCB, core.DWT, CORE_HZ, Target::Emulator, paced);
+    let pacing = Source::of(paced, Target::Emulator, None);
+    let (timer, pacer) = Timer::start(core.SYST, core.DCB, core.DWT, CORE_HZ, pacing);
     let identity = Identity {
         build_id: build_id(),
         target: Target::Emulator,
@@ -120,5 +125,6 @@ pub fn start(core: cortex_m::Peripherals, _device: device::Peripherals) -> Board
         attendance: timer::attendance(paced),
         storage: Storage::new(None),
         sensors: None,
+        collector: Collector,
     }
 }

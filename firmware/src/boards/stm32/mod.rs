@@ -1,21 +1,29 @@
-//! Parts that the STM32 microcontrollers share: watchdog, light, pins, sensor bus, receive buffer,
+//! Parts that the STM32 microcontrollers share: watchdog, light, pins, samples, receive buffer,
 //! flash sectors.
 //!
 //! `microcontroller` provides what differs: `pac` (registers), `port` (addresses and clocks of the
-//! GPIO ports), `bus` (registers of the sensor bus) and `sectors` (places and controller of the
+//! GPIO ports), `bus` (registers of the samples) and `sectors` (places and controller of the
 //! flash).
 
+mod acquisition;
 mod inbox;
 mod light;
 mod pin;
+mod registers;
 mod sectors;
 mod sensors;
-pub(super) mod spi;
+mod slot_timer;
+mod spi;
+mod streams;
 mod watchdog;
 
+pub(super) use acquisition::Acquisition;
+pub use acquisition::Collector;
 pub(super) use inbox::{Inbox, LENGTH, Stream};
 pub use light::Light;
 pub(super) use pin::Pin;
 pub(super) use sectors::Sectors;
-pub(super) use sensors::{Sensors, sampler};
+pub use sensors::Sensors;
+pub(super) use sensors::sampler;
+pub(super) use spi::NoByte;
 pub use watchdog::Watchdog;

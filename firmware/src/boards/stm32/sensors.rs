@@ -2,21 +2,15 @@
 //!
 //! The wiring of the configuration assigns the inputs and scales their codes.
 
-use super::spi::Device;
+use super::Acquisition;
 use controller::configuration::{BENCH_B, wiring};
-use controller::sensors::{Absolute, Ads8688, As5047p, Sampler};
-use core::convert::Infallible;
-use embedded_hal::digital::OutputPin;
+use controller::sensors::{Absolute, Sampler};
+use controller::session::IDLE_PERIOD_US;
 
-/// Sampler of the converter with select `A` and the encoder with select `B`.
-pub(in crate::boards) type Sensors<A, B> = Sampler<Device<A>, Absolute<Device<B>>>;
+/// Sampler of both devices.
+pub type Sensors = Sampler<Acquisition, Absolute>;
 
-/// Creates the sampler of both devices with the nominal wiring, which a configuration replaces.
-pub(in crate::boards) fn sampler<A, B>(converter: Device<A>, encoder: Device<B>) -> Option<Sensors<A, B>>
-where
-    A: OutputPin<Error = Infallible>,
-    B: OutputPin<Error = Infallible>,
-{
-    let nominal = wiring(&BENCH_B)?;
-    Some(Sampler::new(Ads8688::new(converter), Absolute::new(As5047p::new(encoder)), nominal))
+/// Creates the sampler with the nominal wiring, which a configuration replaces.
+pub(in crate::boards) fn sampler(acquisition: Acquisition) -> Option<Sensors> {
+    Some(Sampler::new(acquisition, Absolute::default(), wiring(&BENCH_B)?, IDLE_PERIOD_US))
 }

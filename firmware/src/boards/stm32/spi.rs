@@ -1,27 +1,13 @@
-//! Devices on the sensor bus: mode 1, most significant bit first. Each device has a select pin.
+//! The converter on the sensor bus for single transactions: mode 1, most significant bit first.
 //!
-//! The converter is read at 17 MHz or less, the encoder at 10 MHz or less. A sample of three inputs
-//! and the angle has 14 bytes. Every wait has a timeout: a transaction ends at the first byte that
-//! does not arrive. The drivers detect an absent device.
-//!
-//! Source: AS5047P v1-11 (350 ns from select to clock, and between two selects).
+//! Only its configuration is written so; samples are a sequence that hardware runs
+//! ([`super::Acquisition`]). Every wait has a timeout: a transaction ends at the first byte that
+//! does not arrive. The driver detects an absent device.
 
-use core::convert::Infallible;
-
-use embedded_hal::digital::OutputPin;
 use embedded_hal::spi::{Error, ErrorKind, ErrorType, Operation, SpiDevice};
 
 use super::super::microcontroller::bus;
-
-/// Divider of the bus clock with its register value.
-#[derive(Clone, Copy, Debug)]
-#[repr(u8)]
-pub(in crate::boards) enum Divider {
-    /// Division by 4.
-    Four = 1,
-    /// Division by 8.
-    Eight = 2,
-}
+use super::slot_timer::SlotTimer;
 
 /// Error: a byte did not arrive in time.
 #[derive(Clone, Copy, Debug)]
@@ -33,20 +19,17 @@ impl Error for NoByte {
     }
 }
 
-/// A device on the bus. One task uses all of them.
-pub struct Device<SELECT> {
-    select: SELECT,
-    divider: Divider,
+/// The converter, selected by the timer's output while the timer does not run.
+pub struct Converter<'a> {
+    timer: &'a SlotTimer,
 }
 
-/// Creates the devices of both selects, once. The port's clock and pins must be enabled, the
-/// selects high.
-pub(in crate::boards) fn split<A, B>(
-    _port: bus::Registers,
-    first: (A, Divider),
-    second: (B, Divider),
-) -> (Device<A>, Device<B>) {
-    (Device { select: first.0, divider: first.1 }, Device { select: second.0, divider: second.1 })
+impl<'a> Converter<'a> {
+    /// Takes the bus for bytes. The timer must be stopped.
+    pub(super) fn new(timer: &'a SlotTimer) -> Self {
+        bus::enable_bytes();
+        Self { timer }
+    }
 }
 
 fn serve(operation: &mut Operation<'_, u8>) -> Result<(), NoByte> {
@@ -74,17 +57,16 @@ fn serve(operation: &mut Operation<'_, u8>) -> Result<(), NoByte> {
     }
 }
 
-impl<SELECT> ErrorType for Device<SELECT> {
+impl ErrorType for Converter<'_> {
     type Error = NoByte;
 }
 
-impl<SELECT: OutputPin<Error = Infallible>> SpiDevice for Device<SELECT> {
+impl SpiDevice for Converter<'_> {
     fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), NoByte> {
-        bus::enable(self.divider);
-        let _ = self.select.set_low();
+        self.timer.select_converter(true);
         cortex_m::asm::delay(bus::SELECT_CYCLES);
         let served = operations.iter_mut().try_for_each(serve);
-        let _ = self.select.set_high();
+        self.timer.select_converter(false);
         cortex_m::asm::delay(bus::SELECT_CYCLES);
         served
     }

@@ -18,15 +18,15 @@ use link::Target;
 pub(super) use stm32h7::stm32h743v as pac;
 
 pub(super) use super::stm32::Sectors;
-pub use super::stm32::{Light, Watchdog};
+pub use super::stm32::{Collector, Light, Sensors, Watchdog};
 pub use serial::Receiver;
 pub(super) use serial::{Inbox, Transmitter};
 
 use super::image::{BOARD, build_id};
 use super::started::{Board, Link};
-use super::stm32::spi::{self, Divider};
-use super::stm32::{self, Pin, sampler};
-use super::{Probe, Storage, Timer, fault, guard, timer};
+use super::stm32::{Acquisition, Pin, sampler};
+use super::timer::{self, Source};
+use super::{Probe, Storage, Timer, fault, guard};
 use clock_tree::ClockTree;
 
 /// The device for the task framework.
@@ -40,6 +40,8 @@ pub mod device {
     pub enum Interrupt {
         /// USART3 has received a byte with an error.
         SERIAL = stm32h7::stm32h743v::Interrupt::USART3 as u16,
+        /// The words of a sample are complete.
+        SAMPLED = stm32h7::stm32h743v::Interrupt::DMA2_STR3 as u16,
     }
     pub use Interrupt as interrupt;
 
@@ -54,9 +56,6 @@ pub mod device {
 /// Board code of model packages.
 pub const PACKAGES_FOR: u16 = model_package::board::STM32H743;
 
-/// The sensors of this board.
-pub type Sensors = stm32::Sensors<Pin, Pin>;
-
 /// Revision V in DBGMCU_IDC.
 const REVISION_V: u16 = 0x2003;
 
@@ -67,6 +66,8 @@ pub fn start(mut core: cortex_m::Peripherals, device: device::Peripherals) -> Bo
     guard::set(&core.MPU);
     // Before anything that could hang.
     device.DBGMCU.apb4fz1().modify(|_, w| w.dbg_iwdg1().set_bit());
+    // The time base counts while a debugger halts the core.
+    device.DBGMCU.apb1lfz1().modify(|_, w| w.dbg_tim4().clear_bit().dbg_tim5().clear_bit());
     let watchdog = Watchdog::start(device.IWDG);
     let start = fault::start_report(reason_of_flags(&ResetFlags::STM32H743, device.RCC.rsr().read().bits()));
     // The next start must find its own flags only.
@@ -90,32 +91,37 @@ pub fn start(mut core: cortex_m::Peripherals, device: device::Peripherals) -> Bo
     // Both peripherals run on the internal oscillator; that of the SPI is the default of `per_ck`.
     device.RCC.d2ccip1r().modify(|_, w| w.spi123sel().per());
     device.RCC.d2ccip2r().modify(|_, w| w.usart234578sel().hsi_ker());
-    device.RCC.ahb1enr().modify(|_, w| w.dma1en().set_bit());
+    device.RCC.ahb1enr().modify(|_, w| w.dma1en().set_bit().dma2en().set_bit());
     device.RCC.ahb2enr().modify(|_, w| w.sram1en().set_bit());
-    device.RCC.apb1lenr().modify(|_, w| w.usart3en().set_bit());
+    device.RCC.apb1lenr().modify(|_, w| w.usart3en().set_bit().tim4en().set_bit().tim5en().set_bit());
     device.RCC.apb2enr().modify(|_, w| w.spi1en().set_bit());
     // A clock runs two of its cycles after the write.
-    let _ = device.RCC.apb2enr().read().bits();
+    let _ = (device.RCC.apb1lenr().read().bits(), device.RCC.apb2enr().read().bits());
 
-    for (port, pin, function) in
-        [(Port::D, 8, 7), (Port::D, 9, 7), (Port::A, 5, 5), (Port::A, 6, 5), (Port::B, 5, 5)]
-    {
+    bus::connect(&device.DMAMUX1);
+    // The timers run at half of the core's frequency.
+    let (mut acquisition, collector) = Acquisition::start(clocks.core_hz / 2_000_000, bus::BUS_HZ);
+    for (port, pin, function) in [
+        (Port::D, 8, 7),
+        (Port::D, 9, 7),
+        (Port::A, 5, 5),
+        (Port::A, 6, 5),
+        (Port::B, 5, 5),
+        (Port::D, 14, 2),
+        (Port::D, 15, 2),
+    ] {
         Pin::connect(port, pin, function);
     }
+    let is_sampling = acquisition.try_out();
     let light = Light::start(BOARD.light);
-    let (converter, encoder) = spi::split(
-        device.SPI1,
-        (Pin::output(Port::D, 14, true), Divider::Four),
-        (Pin::output(Port::D, 15, true), Divider::Eight),
-    );
-    let sensors = sampler(converter, encoder);
     let (receiver, inbox, transmitter) = serial::set_up(device.USART3, device.DMA1, &device.DMAMUX1);
 
     // This core locks the registers of its cycle counter.
     core.DCB.enable_trace();
     cortex_m::peripheral::DWT::unlock();
     let target = Target::Silicon;
-    let (timer, pacer) = Timer::start(core.SYST, core.DCB, core.DWT, clocks.core_hz, target, true);
+    let pacing = Source::of(true, target, is_sampling.then(|| acquisition.input_interval_ns()));
+    let (timer, pacer) = Timer::start(core.SYST, core.DCB, core.DWT, clocks.core_hz, pacing);
     let identity = Identity { build_id: build_id(), target, clock: clocks.source, core_hz: clocks.core_hz };
     Board {
         identity,
@@ -129,6 +135,7 @@ pub fn start(mut core: cortex_m::Peripherals, device: device::Peripherals) -> Bo
         light,
         attendance: timer::attendance(true),
         storage: Storage::new(Some([Sectors::MODELS, Sectors::CONFIGURATION])),
-        sensors,
+        sensors: if is_sampling { sampler(acquisition) } else { None },
+        collector,
     }
 }

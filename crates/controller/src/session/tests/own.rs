@@ -8,11 +8,16 @@ use link::{Decoder, OutOfRange};
 /// Own samples per sent estimate at 100 us.
 const EVERY: u16 = 40;
 
+/// Samples of at least a period in us.
+fn own(shortest_period_us: u32) -> OwnSampling {
+    OwnSampling { shortest_period_us, input_interval_ns: 9_000 }
+}
+
 fn sampling() -> Session {
     let mut session = configured(Target::Silicon, BENCH_B);
     assert_eq!(order(&mut session, Command::SampleYourself), Err(Refusal::NoSensors));
     assert!(!session.is_sampling());
-    session.set_shortest_period(Some(100));
+    session.set_own_sampling(Some(own(100)));
     assert_eq!(order(&mut session, Command::SampleYourself), Ok(Answer::Sampling { every: EVERY }));
     assert!(session.is_sampling());
     session
@@ -112,7 +117,7 @@ fn a_stop_a_new_configuration_and_a_period_shorter_than_the_tick_end_it() {
     assert!(session.tick_own_sample(|| sample(0), &mut NoTicks).is_none());
     assert_eq!(order(&mut session, Command::SampleYourself), Err(Refusal::NotConfigured));
     assert!(matches!(order(&mut session, Command::Configure(BENCH_B)), Ok(Answer::Configured(_))));
-    session.set_shortest_period(Some(101));
+    session.set_own_sampling(Some(own(101)));
     match order(&mut session, Command::SampleYourself) {
         Err(Refusal::Configuration(reasons)) => {
             let expected = OutOfRange { field: Field::SamplePeriod, found: 100, min: 101, max: 1_000 };
@@ -127,7 +132,7 @@ fn a_stop_a_new_configuration_and_a_period_shorter_than_the_tick_end_it() {
 fn every_period_from_the_shortest_on_is_served_and_paces_the_timer() {
     for (sample_period_us, every) in [(300, 14), (500, 8), (1_000, 4)] {
         let mut session = sampling();
-        session.set_shortest_period(Some(300));
+        session.set_own_sampling(Some(own(300)));
         let mut other = BENCH_B;
         other.bench.sample_period_us = sample_period_us;
         assert!(matches!(order(&mut session, Command::Configure(other)), Ok(Answer::Configured(_))));
