@@ -33,6 +33,7 @@ fn main() -> Result<()> {
     println!("cargo::rerun-if-changed=../crates/controller/src/boards");
     println!("cargo::rerun-if-env-changed=PINTLE_BOARD");
     println!("cargo::rustc-check-cfg=cfg(stack_limit_register)");
+    println!("cargo::rustc-check-cfg=cfg(emulated)");
     if env::var("CARGO_CFG_TARGET_OS")? != "none" {
         return Ok(());
     }
@@ -40,6 +41,9 @@ fn main() -> Result<()> {
     let out = PathBuf::from(env::var("OUT_DIR")?);
     let board = board()?;
     println!("cargo::rustc-env=PINTLE_BOARD={}", board.name);
+    if board.is_emulated {
+        println!("cargo::rustc-cfg=emulated");
+    }
     if env::var("TARGET")?.starts_with("thumbv8m.main") {
         println!("cargo::rustc-cfg=stack_limit_register");
     }

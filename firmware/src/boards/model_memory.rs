@@ -16,10 +16,12 @@ use controller::store::keeper::{Kind, RECORD};
 
 use super::microcontroller::Sectors;
 
-/// Bytes of both slots in RAM.
-const SLOTS: usize = 2 * 20 * 1024;
-/// Bytes of both halves for the kept values in RAM: one of each kind in a half.
-const PLACES: usize = 2 * Kind::ALL.len() * RECORD;
+/// Bytes of both halves for the kept values: one of each kind in a half.
+const HALVES: usize = 2 * Kind::ALL.len() * RECORD;
+/// Bytes of both slots in RAM. Images that no emulator runs have none.
+const SLOTS: usize = if cfg!(emulated) { 2 * 20 * 1024 } else { 0 };
+/// Bytes of both halves in RAM, likewise.
+const PLACES: usize = if cfg!(emulated) { HALVES } else { 0 };
 /// Mark of RAM that has been initialised since power-on.
 const IN_USE: u32 = 0x9E1D_57A7;
 
@@ -146,7 +148,7 @@ impl ReadNorFlash for Memory {
 impl NorFlash for Memory {
     const WRITE_SIZE: usize = Sectors::WORD_LENGTH;
     /// Smallest unit that both kinds can erase; flash refuses anything but complete sectors.
-    const ERASE_SIZE: usize = PLACES / 2;
+    const ERASE_SIZE: usize = HALVES / 2;
 
     fn erase(&mut self, from: u32, to: u32) -> Result<(), FlashError> {
         let length = to.checked_sub(from).ok_or(FlashError::OutOfBounds)? as usize;

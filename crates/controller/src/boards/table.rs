@@ -90,6 +90,9 @@ pub struct Board {
     pub title: &'static str,
     /// Microcontroller.
     pub microcontroller: &'static Microcontroller,
+    /// True if the emulator runs the image. It ignores stores to flash, so that the image needs RAM
+    /// in place of flash.
+    pub is_emulated: bool,
     /// Clock from outside; `None` if it is unknown or absent.
     pub external_clock: Option<ExternalClock>,
     /// Indicator light; `None` if there is none to use.
@@ -204,6 +207,7 @@ pub static BOARDS: [Board; 6] = [
         name: "stm32f405",
         title: "any board with an STM32F405",
         microcontroller: &STM32F405,
+        is_emulated: true,
         external_clock: None,
         light: None,
         labels: None,
@@ -212,6 +216,7 @@ pub static BOARDS: [Board; 6] = [
         name: "feather-stm32f405",
         title: "Adafruit Feather STM32F405",
         microcontroller: &STM32F405,
+        is_emulated: false,
         external_clock: Some(ExternalClock::Crystal { mhz: 12 }),
         light: Some(Light { port: Port::C, pin: 1, is_active_low: false }),
         labels: Some(["D6", "D5", "SCK", "MISO", "MOSI", "D10", "D9"]),
@@ -220,6 +225,7 @@ pub static BOARDS: [Board; 6] = [
         name: "olimex-stm32-h405",
         title: "Olimex STM32-H405",
         microcontroller: &STM32F405,
+        is_emulated: false,
         external_clock: Some(ExternalClock::Crystal { mhz: 8 }),
         light: Some(Light { port: Port::C, pin: 12, is_active_low: true }),
         labels: Some(["PC6", "PC7", "PB13", "PB14", "PB15", "PB9", "PB8"]),
@@ -228,6 +234,7 @@ pub static BOARDS: [Board; 6] = [
         name: "netduino-plus-2",
         title: "Netduino Plus 2",
         microcontroller: &STM32F405,
+        is_emulated: true,
         external_clock: Some(ExternalClock::Crystal { mhz: 25 }),
         light: Some(Light { port: Port::A, pin: 10, is_active_low: false }),
         labels: Some(["D1", "D0", "D13", "D12", "D11", "D6", "D5"]),
@@ -236,6 +243,7 @@ pub static BOARDS: [Board; 6] = [
         name: "nucleo-h743zi2",
         title: "ST NUCLEO-H743ZI2",
         microcontroller: &STM32H743,
+        is_emulated: false,
         external_clock: Some(ExternalClock::Signal { mhz: 8 }),
         light: Some(Light { port: Port::B, pin: 0, is_active_low: false }),
         labels: Some(["ST-LINK", "ST-LINK", "D13", "D12", "D11", "D10", "D9"]),
@@ -244,6 +252,7 @@ pub static BOARDS: [Board; 6] = [
         name: "mps2-an505",
         title: "Arm MPS2+ with image AN505",
         microcontroller: &MPS2_AN505,
+        is_emulated: true,
         external_clock: None,
         light: None,
         labels: None,
