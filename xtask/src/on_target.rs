@@ -1,7 +1,7 @@
 //! Tests that run on a board, through a probe or on the emulator.
 
 use crate::firmware::{DEFAULT, Firmware};
-use crate::run::{ChoreError, output_of, run, run_with_timeout, succeeds};
+use crate::run::{ChoreError, output_of, run_with_timeout, succeeds};
 use crate::setup::EMULATOR;
 use clap::Args;
 use controller::emulator::MACHINE;
@@ -11,7 +11,7 @@ use std::time::Duration;
 
 /// Program that writes an image, shows its log and returns its result.
 const RUNNER: &str = "probe-rs";
-/// Timeout on the emulator, where the tests take a few seconds.
+/// Timeout; the tests take a few seconds.
 const TIMEOUT: Duration = Duration::from_secs(120);
 
 /// Arguments of `cargo xtask on-target`.
@@ -42,11 +42,11 @@ pub(crate) fn on_target(args: &OnTargetArgs) -> Result<(), ChoreError> {
         return Ok(());
     }
     let mut command = Command::new(RUNNER);
-    command.args(["run", "--chip", chip]);
+    command.args(["run", "--chip", chip]).stdout(Stdio::piped());
     if let Some(probe) = &args.probe {
         command.args(["--probe", probe]);
     }
-    run(command.arg(image))
+    run_with_timeout(command.arg(image), TIMEOUT).map(|log| print!("{log}"))
 }
 
 /// Runs the tests on the emulator.

@@ -198,10 +198,11 @@ mod app {
                 if let Some(clock) = cx.local.pacer.sample_clock() {
                     exchange.note_sampling(clock);
                 }
-                if cx.local.pacer.is_stalled() {
+                let is_stalled = cx.local.pacer.is_stalled();
+                if is_stalled {
                     exchange.restart_samples();
                 }
-                match exchange.tick(&acquired, is_paced, &mut timer) {
+                match exchange.tick(&acquired, is_paced && !is_stalled, &mut timer) {
                     Tick::Sampled => check_in(attendance, Party::Inference),
                     Tick::Idle => attendance.stop_expecting(Party::Inference),
                 }

@@ -19,7 +19,7 @@ pub fn started(start: &StartReport, identity: &Identity, can_sample: bool) {
         ResetReason::PowerOn => "power on",
         ResetReason::BrownOut => "a dip of the supply",
         ResetReason::Pin => "the reset pin",
-        ResetReason::Software => "a request of the firmware",
+        ResetReason::Software => "software or a probe",
         ResetReason::Watchdog | ResetReason::WindowWatchdog => "a watchdog",
         ResetReason::LowPower => "a return from low power",
         ResetReason::Fault => "a fault",

@@ -91,6 +91,7 @@ impl Pacer {
                 let next = collected.dequeue();
                 *is_stalled = next.is_none();
                 let Some(Collected { run, answers, completion }) = next else {
+                    clock.count_stall();
                     return Acquired::nothing(now_us);
                 };
                 if collected.ready() {
@@ -231,7 +232,11 @@ impl Timer {
         let is_paced = !matches!(source, Source::Lockstep);
         let period_us = if is_paced { IDLE_PERIOD_US } else { FULL.saturating_add(1) / core_mhz };
         syst.set_clock_source(SystClkSource::Core);
-        let reload = if is_paced { reload(core_mhz, period_us) } else { FULL };
+        let reload = match source {
+            // If no sample comes for that long, SysTick is the tick.
+            Source::Lockstep | Source::Samples { .. } => FULL,
+            Source::Timer(_) => reload(core_mhz, period_us),
+        };
         syst.set_reload(reload);
         syst.clear_current();
         syst.enable_counter();
@@ -244,8 +249,6 @@ impl Timer {
         };
         let clock = match source {
             Source::Samples { input_interval_ns } => {
-                // If no sample comes for that long, SysTick is the tick.
-                syst.set_reload(FULL);
                 syst.enable_interrupt();
                 let clock = SampleClock::new(core_mhz, input_interval_ns);
                 Clock::Samples { clock, period_us, cycles: 0, is_stalled: false }

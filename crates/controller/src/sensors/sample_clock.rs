@@ -115,6 +115,11 @@ impl SampleClock {
         Passed { time_us: self.time_us, lost }
     }
 
+    /// Counts a lost sample because the hardware has stopped; it starts anew.
+    pub const fn count_stall(&mut self) {
+        self.report.lost = self.report.lost.saturating_add(1);
+    }
+
     /// Returns what was counted and measured since the start.
     #[must_use]
     pub fn report(&self) -> SamplingReport {

@@ -79,12 +79,17 @@ impl Acquisition {
         self.timing.map_or(0, |timing| timing.input_interval_ns(self.slot_mhz.saturating_mul(1_000_000)))
     }
 
-    /// Runs the sequence of three inputs and waits for its end, with a timeout. Returns false
-    /// without one: then the hardware paces nothing and is stopped.
+    /// Runs a sequence and waits for its end, with a timeout. Returns false without one, or if the
+    /// clocks are too slow for the longest sequence: then the hardware paces nothing and is
+    /// stopped.
     #[must_use]
     pub(in crate::boards) fn try_out(&mut self) -> bool {
-        self.run(&Sequence::new(&[0, 1, 2], true), IDLE_PERIOD_US);
-        let is_complete = (0..POLLS).any(|_| self.streams.take_complete());
+        let longest = Sequence::new(&[0, 1, 2, 3, 4], true);
+        let fits = self.timing.is_some_and(|timing| {
+            longest.shortest_period(&timing) <= self.slot_mhz.saturating_mul(IDLE_PERIOD_US)
+        });
+        self.run(&longest, IDLE_PERIOD_US);
+        let is_complete = fits && (0..POLLS).any(|_| self.streams.take_complete());
         if !is_complete {
             self.stop();
         }

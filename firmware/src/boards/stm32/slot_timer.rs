@@ -14,6 +14,7 @@ use super::registers::Registers;
 
 const CONTROL: usize = 0x00;
 const REQUESTS: usize = 0x0C;
+const STATUS: usize = 0x10;
 const EVENTS: usize = 0x14;
 /// Mode of compare event 1, which has no output.
 const COMMAND_MODE: usize = 0x18;
@@ -80,6 +81,9 @@ impl SlotTimer {
         /// Polls until a burst has ended, which takes less than 1 us.
         const POLLS: u32 = 1_000;
         self.0.write(CONTROL, QUIET_UPDATE | PRELOAD_LENGTH);
+        // An event just before the stop has reached the streams.
+        let _ = self.0.read(CONTROL);
+        cortex_m::asm::delay(bus::SELECT_CYCLES);
         let _ = (0..POLLS).any(|_| remaining().is_multiple_of(BURST_LENGTH));
         self.0.write(REQUESTS, 0);
         self.0.write(OUTPUT_MODES, INACTIVE | INACTIVE << 8);
@@ -96,6 +100,7 @@ impl SlotTimer {
         self.0.write(EVENTS, UPDATE);
         self.0.write(OUTPUT_MODES, both(PWM));
         self.preload(second);
+        self.0.write(STATUS, 0);
         self.0.write(REQUESTS, UPDATE_AND_COMMAND);
         self.0.write(CONTROL, QUIET_UPDATE | PRELOAD_LENGTH | ENABLE);
     }

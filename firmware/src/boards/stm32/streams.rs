@@ -62,10 +62,15 @@ impl Streams {
         let control = control(stream);
         self.0.write(control, 0);
         let has_stopped = (0..POLLS).any(|_| self.0.read(control) & ENABLE == 0);
+        self.clear(stream);
+        has_stopped
+    }
+
+    /// Clears the flags of a stream.
+    fn clear(self, stream: Stream) {
         let number = stream as usize;
         let shift = SHIFTS.get(number % SHIFTS.len()).copied().unwrap_or_default();
         self.0.write(if number < SHIFTS.len() { LOW_CLEAR } else { HIGH_CLEAR }, FLAGS << shift);
-        has_stopped
     }
 
     /// Starts a stopped stream between its ends.
@@ -74,6 +79,7 @@ impl Streams {
             Stream::Answers => COMPLETE_INTERRUPT,
             Stream::Commands | Stream::Slots => TO_PERIPHERAL,
         };
+        self.clear(stream);
         let control = control(stream);
         self.0.write(control.wrapping_add(4), ends.length as u32);
         self.0.write(control.wrapping_add(8), ends.peripheral);

@@ -92,8 +92,11 @@ pub(in crate::boards) fn enable_words() {
 pub(in crate::boards) fn disable() {
     let port = port();
     port.cr2().write(|w| w.rxdmaen().clear_bit());
-    // A word may be on its way.
-    let _ = (0..POLLS).any(|_| port.sr().read().bsy().bit_is_clear());
+    // A word may be on its way, or wait.
+    let _ = (0..POLLS).any(|_| {
+        let status = port.sr().read();
+        status.txe().bit_is_set() && status.bsy().bit_is_clear()
+    });
     port.cr1().modify(|_, w| w.spe().clear_bit());
     let _ = (port.dr().read().bits(), port.sr().read().bits());
 }

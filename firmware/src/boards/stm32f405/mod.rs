@@ -97,7 +97,9 @@ pub fn start(core: cortex_m::Peripherals, device: device::Peripherals) -> Board 
     // The clocks run two of their cycles after the write.
     let _ = (device.RCC.ahb1enr().read().bits(), device.RCC.apb1enr().read().bits());
     let [slow_hz, bus_hz, timer_hz] = bus_clocks(clocks);
-    let (mut acquisition, collector) = Acquisition::start(timer_hz / 1_000_000, slow_hz / bus::BUS_DIVIDER);
+    // The emulator has no DMA: no sequence runs there.
+    let sensors_hz = if target == Target::Silicon { slow_hz / bus::BUS_DIVIDER } else { 0 };
+    let (mut acquisition, collector) = Acquisition::start(timer_hz / 1_000_000, sensors_hz);
     let mut rcc = device.RCC.constrain();
     let (port_b, port_c) = (device.GPIOB.split(&mut rcc), device.GPIOC.split(&mut rcc));
     let _ = (port_c.pc6.into_alternate::<8>(), port_c.pc7.into_alternate::<8>());
@@ -110,7 +112,6 @@ pub fn start(core: cortex_m::Peripherals, device: device::Peripherals) -> Board 
         port_b.pb8.into_alternate::<2>().speed(fast),
         port_b.pb9.into_alternate::<2>().speed(fast),
     );
-    // The emulator has no DMA.
     let is_sampling = target == Target::Silicon && acquisition.try_out();
     // The emulator has no DMA.
     let (receiver, inbox, transmitter) =

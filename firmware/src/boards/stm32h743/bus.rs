@@ -86,7 +86,7 @@ pub(in crate::boards) fn enable_words() {
 /// Disables the port, which empties its buffers.
 pub(in crate::boards) fn disable() {
     let port = port();
-    // The last transaction has ended with its last byte, or is given up.
+    // A word that is on its way is given up.
     port.cr1().write(|w| w.ssi().set_bit());
     port.cfg1().modify(|_, w| w.rxdmaen().clear_bit());
     port.ifcr().write(|w| {
