@@ -51,6 +51,7 @@ pub struct Acquisition {
     timing: Option<SlotTiming>,
     /// Frequency of the slots' timer, MHz.
     slot_mhz: u32,
+    is_running: bool,
 }
 
 /// The hardware as the interrupt of a complete sample uses it.
@@ -70,7 +71,7 @@ impl Acquisition {
         let slot_mhz = (timer_mhz / bus::SLOT_DIVIDER).max(1);
         let timing = SlotTiming::new(slot_mhz.saturating_mul(1_000_000), bus_hz);
         let (streams, (timer, base)) = (Streams::new(), SlotTimer::start(timer_mhz));
-        (Self { timer, streams, timing, slot_mhz }, Collector { base, streams })
+        (Self { timer, streams, timing, slot_mhz, is_running: false }, Collector { base, streams })
     }
 
     /// Time between the samples of two successive inputs, ns.
@@ -97,8 +98,12 @@ impl Acquisition {
     }
 
     fn stop(&mut self) {
+        if !core::mem::take(&mut self.is_running) {
+            return;
+        }
         let Self { timer, streams, .. } = self;
         timer.stop(|| streams.remaining(Stream::Slots));
+        // Before the streams: no word that waits may become the first answer of the next run.
         bus::disable();
         for stream in [Stream::Commands, Stream::Answers, Stream::Slots] {
             let _ = streams.stop(stream);
@@ -136,6 +141,7 @@ impl Acquisition {
             self.streams.start(stream, &Ends { peripheral, memory: memory as u32, length });
         }
         bus::enable_words();
+        self.is_running = true;
         self.timer.run(first, second);
     }
 }

@@ -101,8 +101,9 @@ pub(in crate::boards) fn disable() {
     let _ = (port.dr().read().bits(), port.sr().read().bits());
 }
 
-/// Enables the port. It must be disabled: the format changes while it is.
+/// Enables the port. Disables it first, because the format changes only then.
 fn enable(format: u16, is_received_by_dma: bool) {
+    disable();
     let port = port();
     let settings = PHASE | CONTROLLER | DIVIDE_BY_8 | SELECT_INSIDE | format;
     port.cr2().write(|w| w.rxdmaen().bit(is_received_by_dma));

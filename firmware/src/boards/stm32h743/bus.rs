@@ -95,8 +95,9 @@ pub(in crate::boards) fn disable() {
     });
 }
 
-/// Enables the port. It must be disabled: its settings change while it is.
+/// Enables the port. Disables it first, because its settings change only then.
 fn enable(bits: u8, is_received_by_dma: bool) {
+    disable();
     let port = port();
     port.cfg1()
         .write(|w| w.dsize().set(bits.saturating_sub(1)).mbr().div8().rxdmaen().bit(is_received_by_dma));
