@@ -73,8 +73,8 @@ pub struct Pacer {
 enum Clock {
     /// SysTick; not paced in lockstep.
     SysTick { syst: SYST, is_paced: bool, pace: Pace },
-    /// The samples, with their period and the cycle count at the end of the last one. No samples
-    /// come if `is_stalled`.
+    /// The samples, with their period and the cycle count at the start of the tick. No samples come
+    /// if `is_stalled`.
     Samples { clock: SampleClock, period_us: u32, cycles: u32, is_stalled: bool },
 }
 
@@ -92,6 +92,7 @@ impl Pacer {
                 *is_stalled = next.is_none();
                 let Some(Collected { run, answers, completion }) = next else {
                     clock.count_stall();
+                    *cycles = DWT::cycle_count();
                     return Acquired::nothing(now_us);
                 };
                 if collected.ready() {

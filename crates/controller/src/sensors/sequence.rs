@@ -59,7 +59,7 @@ pub enum Device {
     Encoder,
 }
 
-/// One slot.
+/// One word of a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Word {
     /// Device that is selected.
@@ -157,7 +157,7 @@ impl Sequence {
         Self(words)
     }
 
-    /// Returns the slots.
+    /// Returns the words in their order.
     #[must_use]
     pub fn words(&self) -> &[Word] {
         &self.0
