@@ -1,11 +1,13 @@
 //! Timers: the source of the ticks, and a counter that times the work of a tick.
 //!
-//! | where | source of the ticks | counter | counts from |
+//! | where | ticks | counter | counts from |
 //! |---|---|---|---|
-//! | silicon | end of a sample ([`Source::Samples`]), or SysTick if none comes | the core's cycle counter | the tick |
-//! | silicon without samples | SysTick | the same | the tick |
+//! | silicon | end of a sample | the core's cycle counter | the tick |
+//! | silicon without samples | SysTick | the core's cycle counter | the tick |
 //! | emulator, serial link | SysTick | SysTick itself, less than a period | the tick |
-//! | emulator, lockstep | SysTick, 24 bits: 10 Hz | SysTick itself, wrap removed | the start of the work |
+//! | emulator, lockstep | SysTick, 10 Hz | SysTick itself, wrap removed | the start of the work |
+//!
+//! If no sample ends for the time that SysTick's 24 bits can count, SysTick is the tick.
 //!
 //! Paced by a timer, the count starts when the tick is due, so that any delay counts as work.
 //!

@@ -144,6 +144,14 @@ mod tests {
         ProbePair::new(direction, CENTRED_NM, RADIUS_NM as u32, opposite).unwrap()
     }
 
+    #[test]
+    fn the_second_probe_is_a_quarter_turn_from_the_first_towards_z() {
+        for angle in [0.0, 0.5, 2.0, -1.0] {
+            let [y, z] = pair(angle, None).second_direction().map(f64::from);
+            assert!((y + angle.sin()).abs() < 1e-6 && (z - angle.cos()).abs() < 1e-6, "{angle}: {y} {z}");
+        }
+    }
+
     proptest! {
         #[test]
         fn the_centre_comes_back_wherever_the_probes_are_mounted(

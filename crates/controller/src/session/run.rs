@@ -329,6 +329,21 @@ mod tests {
     }
 
     #[test]
+    fn own_samples_take_the_time_between_the_probes_into_account() {
+        let mut sampling = run();
+        sampling.start_sampling(&OWN).unwrap();
+        let mut expected = run();
+        expected.change_configuration(|run| {
+            run.is_sampling = true;
+            // The first probe is along Y, so the second one is along Z.
+            run.monitor.set_skew(Skew::new([0.0, 1.0], 9_000.0 * 1e-9));
+        });
+        assert_eq!(sampling.config_crc, expected.config_crc);
+        expected.change_configuration(|run| run.monitor.set_skew(Skew::default()));
+        assert_ne!(sampling.config_crc, expected.config_crc);
+    }
+
+    #[test]
     fn an_intended_change_of_the_configuration_does_not_hide_a_corruption() {
         let changes: [fn(&mut Run); 2] =
             [|run| assert_eq!(run.start_sampling(&OWN), Ok(40)), |run| run.switch(&Models::built_in())];

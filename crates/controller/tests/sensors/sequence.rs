@@ -210,7 +210,7 @@ proptest! {
 
     #[test]
     fn the_times_of_the_data_sheets_are_kept_in_every_period_at_every_clock(
-        timer_mhz in 32_u32..=120, bus_hz in 1_000_000_u32..=10_000_000, period_us in 300_u32..10_000,
+        timer_mhz in 40_u32..=120, bus_hz in 1_000_000_u32..=10_000_000, period_us in 300_u32..10_000,
     ) {
         let clocks = Clocks { timer_hz: timer_mhz * 1_000_000, bus_hz };
         let schedule = clocks.schedule(&Sequence::new(&[0, 1, 2, 3, 4], true), period_us);
@@ -227,13 +227,15 @@ proptest! {
 
 #[test]
 fn the_second_probe_is_sampled_at_the_stated_interval_and_the_angle_just_before_the_first() {
-    for clocks in BOARDS {
+    for (clocks, expected_ns) in BOARDS.into_iter().zip([9_309, 6_916, 6_920]) {
         let schedule = clocks.schedule(&Sequence::new(&[0, 1, 2], true), 300);
         let frames = frames(&run(&schedule, clocks, 1));
         let [(_, _, _, angle), (_, first, ..), (_, second, ..), ..] = frames[..] else { panic!() };
-        let interval = f64::from(clocks.timing().input_interval_ns(clocks.timer_hz));
+        let interval_ns = clocks.timing().input_interval_ns(clocks.timer_hz);
+        // The figures of docs/firmware.md: 9.3 us on the STM32F405, and slots of half of that.
+        assert_eq!(interval_ns, expected_ns);
+        let interval = f64::from(interval_ns);
         assert!((second - first - interval).abs() <= 1.0, "{} {interval}", second - first);
-        assert!((6_000.0..10_000.0).contains(&interval), "{interval}");
         assert!((0.0..500.0).contains(&(first - angle)), "the encoder samples when it is released");
     }
 }
@@ -261,5 +263,6 @@ fn a_sample_without_an_encoder_has_words_of_the_converter_only() {
 fn a_bus_that_is_too_slow_or_too_fast_for_the_timer_has_no_timing() {
     assert_eq!(SlotTiming::new(240_000_000, 50_000), None);
     assert_eq!(SlotTiming::new(8_000_000, 8_000_000), None);
+    assert_eq!(SlotTiming::new(32_000_000, 9_600_001), None);
     assert_eq!(SlotTiming::new(240_000_000, 0), None);
 }
